@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/lists.h"
+#include "core/lowercase.h"
 #include "core/numbers.h"
 #include "gbuffers/depth_trial.h"
 
@@ -69,26 +70,64 @@ Result<KnownCamera> camera_of_options(const GBufferSettings& s, double aspect, i
     known.source = fmt::format("{:g} mm on {:g} mm, by option", *s.focal_length_mm, s.sensor_width_mm);
   }
   if (!s.focal_length_px.empty()) {
-    const auto& f = s.focal_length_px;
-    // Centres are given, as by cameras' calibrations, with (0, 0) at the centre of the first pixel.
-    const glm::dvec2 focal(f[0], f.size() == 4 ? f[1] : f[0]);
-    const glm::dvec2 center = f.size() == 4 ? glm::dvec2(f[2] + 0.5, f[3] + 0.5) : glm::dvec2(width, height) / 2.0;
-    if (!(focal.x > 0.0 && focal.y > 0.0)) return field_error("focal_length_px", focal.x, "`{}` {} must be above 0");
-    set_window(known.camera, focal, center, width, height);
+    const auto camera = camera_of_intrinsics(s.focal_length_px, width, height);
+    if (!camera) return field_error("focal_length_px", s.focal_length_px[0], "`{}` {} must be above 0");
+    known.camera = *camera;
     known.source = "focal length in pixels by option";
   }
   return known;
 }
 
-/// Returns the horizontal angle of view that V-Ray writes, in degrees.
-std::optional<double> vray_angle(std::span<const LayeredFile> headers) {
+/// A camera that a header describes by numbers.
+struct DescribedCamera {
+  Camera camera;
+  std::string attribute;
+};
+
+/// Returns the numbers of a text with commas between them; none if it is another text.
+std::vector<float> numbers_of(const std::string& text) {
+  std::vector<float> numbers;
+  std::string_view rest = text;
+  while (const auto number = take_number(rest)) {
+    numbers.push_back(float(*number));
+    if (rest.starts_with(',')) rest.remove_prefix(1);
+  }
+  return rest.empty() ? numbers : std::vector<float>();
+}
+
+/// Returns the camera that numbers of a header describe: the horizontal angle of view of V-Ray and Unreal, in degrees;
+/// intrinsics beside the arrays of an NPZ.
+std::optional<DescribedCamera> described_camera(std::span<const LayeredFile> headers, double aspect) {
+  constexpr std::string_view kIntrinsics[] = {
+      "intrinsics", "intrinsic", "k", "cam_k", "camera_matrix", "focallength_px", "focal_length", "focal_length_px"};
   for (const LayeredFile& header : headers)
-    if (const std::string* text = header.attribute("cameraFov"))
-      if (const auto angle = parse_number(*text, {.min = 0.1, .max = 179.0})) return angle;
+    for (const auto& [name, text] : header.attributes) {
+      if (name == "cameraFov" || (name.starts_with("unreal/camera/") && name.ends_with("/fov")))
+        if (const auto angle = parse_number(text, {.min = 0.1, .max = 179.0}))
+          return DescribedCamera{symmetric_camera(std::tan(*angle * std::numbers::pi / 360.0) / aspect, aspect), name};
+      if (header.format == "NPZ" && contains(kIntrinsics, lowercase(name)))
+        if (const auto camera = camera_of_intrinsics(numbers_of(text), header.width, header.height))
+          return DescribedCamera{*camera, name};
+    }
   return std::nullopt;
 }
 
 }  // namespace
+
+std::optional<Camera> camera_of_intrinsics(const std::vector<float>& n, int width, int height) {
+  const glm::dvec2 size(width, height);
+  glm::dvec2 focal(0.0), center = size / 2.0;
+  if (n.size() == 1) focal = glm::dvec2(n[0]);
+  if (n.size() == 4) focal = {n[0], n[1]}, center = {n[2], n[3]};
+  if (n.size() == 9) focal = {n[0], n[4]}, center = {n[2], n[5]};
+  if (n.size() == 16) focal = {n[0], n[5]}, center = {n[2], n[6]};
+  if (!(focal.x > 0.0 && focal.y > 0.0)) return std::nullopt;
+  if (center.x > 0.0 && center.x < 1.0 && center.y > 0.0 && center.y < 1.0) focal *= size, center *= size;
+  if (center != size / 2.0) center += 0.5;
+  Camera camera;
+  set_window(camera, focal, center, width, height);
+  return camera;
+}
 
 glm::dmat3 view_rotation(const ProjectionFit& fit) {
   return glm::transpose(glm::dmat3(fit.right, fit.up, -fit.forward));
@@ -152,6 +191,7 @@ Result<KnownCamera> known_camera(const GBufferSettings& settings, std::span<cons
   const double aspect = pixel_aspect(headers) * width / height;
   auto known = camera_of_options(settings, aspect, width, height);
   if (!known) return known;
+  known->aspect = aspect;
   const Camera* header_camera = nullptr;
   for (const LayeredFile& header : headers)
     if (header.camera && !header_camera) header_camera = &*header.camera;
@@ -184,11 +224,11 @@ Result<KnownCamera> known_camera(const GBufferSettings& settings, std::span<cons
     known->has_view = true;
   }
   if (!may_be(false)) return known;
-  if (const auto angle = vray_angle(headers)) {
+  if (const auto described = described_camera(headers, aspect)) {
     const glm::mat4 view = known->camera.view_from_world;
-    known->camera = symmetric_camera(std::tan(*angle * std::numbers::pi / 360.0) / aspect, aspect);
+    known->camera = described->camera;
     known->camera.view_from_world = view;
-    known->source = "cameraFov of the file";
+    known->source = described->attribute + " of the file";
   }
   return known;
 }

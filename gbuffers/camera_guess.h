@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "gbuffers/fit.h"
 #include "gbuffers/roles.h"
@@ -15,6 +16,7 @@ struct KnownCamera {
   Camera camera;
   std::string source;     ///< text for the facts; empty: the window is unknown
   bool has_view = false;  ///< camera.view_from_world is known
+  double aspect = 1.0;    ///< width / height of the picture, with the shape of its pixels
 
   bool has_window() const { return !source.empty(); }
 };
@@ -23,6 +25,11 @@ struct KnownCamera {
 /// contradict each other.
 Result<KnownCamera> known_camera(const GBufferSettings& settings, std::span<const LayeredFile> headers,
                                  const std::optional<ProjectionFit>& position, int width, int height);
+
+/// Returns the camera of intrinsics: one focal length; fx,fy,cx,cy; or a matrix, 3 x 3 or 4 x 4, by rows. In pixels, or
+/// in widths and heights of the picture if the centre is below 1. Centres are counted, as by calibrations, from the
+/// centre of the first pixel; one of half the size is the middle. Returns nothing for other numbers.
+std::optional<Camera> camera_of_intrinsics(const std::vector<float>& numbers, int width, int height);
 
 /// Returns the camera that projects the sampled positions to their pixels; nothing if there are none, or no camera
 /// does.

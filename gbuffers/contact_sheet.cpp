@@ -44,8 +44,8 @@ std::vector<float> shrunk(const Plane& plane, int width, int height) {
 /// Maps values to 0..1 for display.
 class DisplayMap {
  public:
-  DisplayMap(const std::vector<std::vector<float>>& channels, const LayeredFile& header, bool is_color, bool is_vector)
-      : is_color_(is_color), is_srgb_(header.is_srgb) {
+  DisplayMap(const std::vector<std::vector<float>>& channels, const Channel& first, bool is_color, bool is_vector)
+      : is_color_(is_color), is_srgb_(first.is_srgb) {
     std::vector<double> finite;
     for (const auto& channel : channels)
       for (const float v : channel)
@@ -55,8 +55,8 @@ class DisplayMap {
     high_ = quantile(finite, 1.0 - kOutliers);
     constexpr double kUnit = 1.05;
     if (is_vector && low_ > -kUnit && high_ < kUnit) low_ = low_ < 0.0 ? -1.0 : 0.0, high_ = 1.0;
-    if (is_color && header.max_integer > 0.0) low_ = 0.0, high_ = header.max_integer;
-    if (is_color && header.max_integer == 0.0) low_ = 0.0, high_ = std::clamp(high_, 1e-6, 1.0);
+    if (is_color && first.max_integer > 0.0) low_ = 0.0, high_ = first.max_integer;
+    if (is_color && first.max_integer == 0.0) low_ = 0.0, high_ = std::clamp(high_, 1e-6, 1.0);
     if (!is_color && !is_vector) std::swap(low_, high_);
   }
   float operator()(float v) const {
@@ -80,7 +80,7 @@ Result<SheetCell> draw_cell(const LayeredFile& header, const ChannelGroup& group
   std::vector<std::vector<float>> channels;
   for (const Plane& plane : image->planes) channels.push_back(shrunk(plane, cell.width, cell.height));
   const bool is_vector = !group.is_color && channels.size() == 3;
-  const DisplayMap map(channels, header, group.is_color, is_vector);
+  const DisplayMap map(channels, header.channels[std::size_t(used[0])], group.is_color, is_vector);
   const bool is_length = channels.size() == 1;
   for (std::size_t c = 0; c < 3; ++c) {
     const auto& from = channels[std::min(c, channels.size() - 1)];

@@ -15,47 +15,10 @@
 #include "gbuffers/depth_guess.h"
 #include "gbuffers/elevation.h"
 #include "gbuffers/normal_guess.h"
+#include "gbuffers/packing.h"
 
 namespace umbrage {
 namespace {
-
-/// Sets how the channels of a depth layer make one value. Errors: kUsage; kFile if a picture without names is coloured.
-Result<void> decide_channels(Deciding& d) {
-  const RoleChannels& depth = d.roles[Role::kDepth];
-  const bool packed = d.settings.depth_packing != "none";
-  if (packed && depth.channels.size() < 3)
-    return field_error("depth_packing", d.settings.depth_packing, "`{}` {} needs three channels: the layer {} has one",
-                       depth.name);
-  constexpr double kByte = 256.0;
-  if (packed) {
-    d.out.depth.weights = {kByte * kByte, kByte, 1.0};
-    if (d.settings.depth_packing == "bgr24") d.out.depth.weights = {1.0, kByte, kByte * kByte};
-    return {};
-  }
-  if (depth.channels.size() < 3) return {};
-  const auto* r = d.samples.find(Role::kDepth, 0);
-  std::size_t differ = 0;
-  for (const std::size_t other : {1u, 2u}) {
-    const auto* channel = d.samples.find(Role::kDepth, other);
-    for (std::size_t k = 0; k < d.samples.size(); ++k) {
-      const double a = (*r)[kCenter][k], b = (*channel)[kCenter][k];
-      constexpr double kRounding = 1e-3;
-      differ += std::abs(a - b) > kRounding * std::max(std::abs(a), std::abs(b));
-    }
-  }
-  constexpr double kFew = 0.01;  // fraction of pixels, such as those that a lossy file changed
-  if (double(differ) <= kFew * double(d.samples.size())) return {};
-  if (d.roles.depth_is_guess)
-    return file_error(
-        "'{}' has neither depth nor positions: its only layer is a colour picture, {}; `depth_file` names a file with "
-        "depth",
-        d.header_of(Role::kDepth).path.string(), depth.name);
-  d.warn(
-      fmt::format("the channels of the depth {} differ, and only the first is used: `depth_packing` rgb24 if they "
-                  "are the bytes of one number",
-                  depth.name));
-  return {};
-}
 
 Cells cells_of(const Deciding& d) {
   Cells cells;
@@ -168,8 +131,7 @@ void decide_camera(Deciding& d, const KnownCamera& known) {
   camera = known.camera;
   if (source.empty()) {
     const bool is_orthographic = d.settings.orthographic;
-    camera =
-        d.guess.fitted_fov ? d.guess.trial.camera : assumed_camera(is_orthographic, double(d.out.width) / d.out.height);
+    camera = d.guess.fitted_fov ? d.guess.trial.camera : assumed_camera(is_orthographic, known.aspect);
     source = d.guess.fitted_fov ? "fitted to depth and normals"
              : is_orthographic  ? "assumed; `window` sets another"
                                 : "assumed; `fov_deg` sets another";
@@ -205,7 +167,11 @@ void decide_normals(Deciding& d, const KnownCamera& known) {
   constexpr double kMismatch_deg = 10.0;
   if (is_own || !choice.median_deg) return;
   d.fact(fmt::format("check: normals against normals rebuilt from depth: median {:.2g} deg", *choice.median_deg));
-  if (*choice.median_deg > kMismatch_deg)
+  const bool fits = *choice.median_deg <= kMismatch_deg;
+  if (!fits && d.roles.normal_is_guess) {
+    d.out.is_unusable[std::size_t(Role::kNormal)] = true;
+    d.fact(fmt::format("normal: {} are no normals, and are not used", d.roles[Role::kNormal].name));
+  } else if (!fits)
     d.warn(fmt::format(
         "normals and depth do not fit, by {:.0f} deg in the median: `depth_kind`, `fov_deg`, `orthographic`, "
         "`flip`, `normal_space` or `normal_encoding` may be needed",
@@ -222,8 +188,8 @@ void decide_colors(Deciding& d) {
   for (const Role role : {Role::kAlbedo, Role::kBeauty, Role::kAlpha, Role::kIndirect, Role::kIndirectColor,
                           Role::kEmission, Role::kOwn}) {
     if (!d.has(role)) continue;
-    const LayeredFile& header = d.header_of(role);
-    d.out.color[std::size_t(role)] = {header.max_integer, header.is_srgb && role != Role::kAlpha};
+    const Channel& channel = d.channel_of(role);
+    d.out.color[std::size_t(role)] = {channel.max_integer, channel.is_srgb && role != Role::kAlpha};
   }
   const auto line = [&](std::string_view what, Role role) {
     if (d.has(role))
@@ -236,6 +202,7 @@ void decide_colors(Deciding& d) {
     d.fact(fmt::format("ambient light: {}{}", d.roles[Role::kIndirect].name,
                        d.has(Role::kIndirectColor) ? " times " + d.roles[Role::kIndirectColor].name : ""));
   line("emission", Role::kEmission);
+  line("background where it is 0", Role::kMask);
   line("object ids", Role::kObjectId);
   line("material ids", Role::kMaterialId);
 }
@@ -250,13 +217,15 @@ bool is_elevation(const Deciding& d) {
 
 /// Collects the stored depths, and adds their background to `depth`. `faces`: see depth_values.
 DepthValues collect_depths(const Deciding& d, bool is_height, const std::vector<char>& faces, DepthConvention& depth) {
-  const LayeredFile& header = d.header_of(Role::kDepth);
+  const Packing* packing = find_packing(d.settings.depth_packing);
+  const double max_integer = packing ? packing->max_integer : d.channel_of(Role::kDepth).max_integer;
   const std::string& kind = d.settings.depth_kind;
-  const bool may_be_low = is_height || header.max_integer == 255.0 || d.roles.depth_hint == DepthHint::kDisparity ||
-                          d.roles.depth_hint == DepthHint::kGrey || kind == "disparity" || kind == "window";
-  DepthValues values = depth_values(d.samples, header, may_be_low, faces, depth);
-  if (d.settings.depth_packing != "none") values.max_integer = 256.0 * 256.0 * 256.0 - 1.0;
-  return values;
+  const DepthHint hint = d.roles.depth_hint;
+  MayBe may;
+  may.be_low = is_height || max_integer == 255.0 || hint == DepthHint::kDisparity || hint == DepthHint::kGrey ||
+               kind == "disparity" || kind == "window";
+  may.be_buffer = kind == "window" || (kind == "auto" && !is_height && hint == DepthHint::kNone);
+  return depth_values(d.samples, max_integer, may, faces, depth);
 }
 
 /// Whether depth is elevation, and why.
@@ -270,8 +239,7 @@ Elevation decide_elevation(Deciding& d, const KnownCamera& known) {
   const LayeredFile& header = d.header_of(Role::kDepth);
   const std::string& kind = d.settings.depth_kind;
   Elevation out{is_elevation(d), ""};
-  ElevationSigns signs;
-  if (d.roles[Role::kDepth].channels.size() == 1) signs = elevation_signs(d.samples);
+  const ElevationSigns signs = elevation_signs(d.samples);
   // Nothing but values tells of a nameless layer; a camera, normals or a range belong to depth.
   const bool is_nameless = kind == "auto" && d.roles.depth_is_guess && d.roles.depth_hint == DepthHint::kNone;
   const bool has_other = d.has(Role::kNormal) || d.has(Role::kPosition) || !known.source.empty() ||
@@ -279,11 +247,17 @@ Elevation decide_elevation(Deciding& d, const KnownCamera& known) {
   if (is_nameless && !has_other && signs.any()) out = {true, signs.reason()};
   if (!out.is_height) return out;
   if (header.geo && kind == "auto") out.reason = "by the format of the file";
+  if (d.settings.depth_packing != "none" && kind == "auto") out.reason = "by its packing";
   if (header.geo && header.geo->no_data) d.out.depth.background.push_back(double(float(*header.geo->no_data)));
   for (const double marker : signs.no_data)
     if (std::count(d.out.depth.background.begin(), d.out.depth.background.end(), marker) == 0)
       d.out.depth.background.push_back(marker);
   return out;
+}
+
+Error panorama_error(const LayeredFile& header) {
+  return file_error("'{}' is a panorama: only pictures of perspective and orthographic cameras are read",
+                    header.path.string());
 }
 
 /// Decides what depth means, or that it comes from positions.
@@ -295,17 +269,23 @@ Result<void> decide_depth(Deciding& d, const KnownCamera& known) {
   const auto [is_height, reason] = decide_elevation(d, known);
   d.values = collect_depths(d, is_height, faces, d.out.depth);
   const DepthHint hint = is_height ? DepthHint::kHeight : d.roles.depth_hint;
-  DepthEvidence evidence{d.settings, d.values, hint, cells_of(d), {}, double(d.out.width) / d.out.height};
+  DepthEvidence evidence{d.settings, d.values, hint, cells_of(d), {}, known.aspect};
   if (known.has_window()) evidence.camera = known.camera;
+  constexpr std::size_t kPanoramaCells = 1000;
   // One or two planes fit any meaning of depth with some rotation.
   constexpr int kMinDirections = 3;
   if (evidence.cells.directions() < kMinDirections) evidence.cells.have_normals = false;
   auto guess = guess_depth(evidence);
   if (!guess) return guess.error();
   d.guess = std::move(*guess);
+  if (known.source.empty() && !is_height && is_panorama(evidence.cells.balanced(kPanoramaCells), d.guess.trial))
+    return panorama_error(d.header_of(Role::kDepth));
   if (d.out.depth.is_own) d.guess.reason = "as Umbrage writes it";
   if (is_height) d.guess.trial.model.meaning = DepthMeaning::kHeight;
   if (!reason.empty()) d.guess.reason = reason;
+  // No depth buffer has pixels exactly at the near plane.
+  if (d.guess.trial.model.meaning == DepthMeaning::kWindow && d.settings.depth_kind == "auto" && d.values.has_low_end)
+    d.out.depth.background.push_back(0.0);
   // Many pixels at the far end of brightness are the sky.
   if (d.guess.is_relative && d.values.max_integer > 0.0) {
     const DepthModel& model = d.guess.trial.model;
@@ -352,23 +332,23 @@ std::vector<char> surfaces_of(const Deciding& d) {
 
 /// Decodes the normals. If their lengths leave the encoding open, agreement with depth decides.
 Result<void> decide_encoding(Deciding& d, const KnownCamera& known) {
-  const LayeredFile& header = d.header_of(Role::kNormal);
+  const double max_integer = d.channel_of(Role::kNormal).max_integer;
   const std::vector<char> surfaces = surfaces_of(d);
-  const EncodingGuess guess = guess_encoding(d.samples, surfaces, d.settings, header);
+  const EncodingGuess guess = guess_encoding(d.samples, surfaces, d.settings, max_integer);
   bool is_unsigned = guess.is_unsigned;
   if (!guess.is_clear && d.has(Role::kDepth)) {
     DirectionFit fits[2];  // signed, unsigned
     for (const bool tried : {false, true}) {
       GBufferFacts unused;
       Deciding trial{d.settings, d.headers, d.roles, d.samples, unused, d.out, {}, d.position, {}, {}};
-      trial.normals = decode_normals(d.samples, surfaces, header, tried, trial.out.normal);
+      trial.normals = decode_normals(d.samples, surfaces, max_integer, tried, trial.out.normal);
       if (auto decided = decide_depth(trial, known); !decided) return decided;
       fits[tried] = trial.guess.trial.normals;
     }
     if (std::max(fits[0].score_deg, fits[1].score_deg) < DirectionFit().score_deg)
       is_unsigned = fits[1].score_deg < fits[0].score_deg;
   }
-  d.normals = decode_normals(d.samples, surfaces, header, is_unsigned, d.out.normal);
+  d.normals = decode_normals(d.samples, surfaces, max_integer, is_unsigned, d.out.normal);
   return {};
 }
 
@@ -397,12 +377,12 @@ std::string number_text(double value) { return fmt::format("{:.6g}", value); }
 Result<Conventions> decide_conventions(const GBufferSettings& settings, std::span<const LayeredFile> headers,
                                        const Roles& roles, const Samples& samples, GBufferFacts& facts) {
   Deciding d{settings, headers, roles, samples, facts, {}, {}, {}, {}, {}};
+  for (const LayeredFile& header : headers)
+    if (header.attribute("envmap")) return panorama_error(header);
   d.out.width = samples.width;
   d.out.height = samples.height;
   if (roles.views.size() > 1) d.fact(fmt::format("view: {} (of {})", roles.view, fmt::join(roles.views, ", ")));
   const bool has_depth = d.has(Role::kDepth);
-  if (has_depth)
-    if (auto decided = decide_channels(d); !decided) return decided.error();
   if (settings.depth_background) d.out.depth.background.push_back(*settings.depth_background);
   d.position = position_camera(samples);
   const auto known = known_camera(settings, headers, d.position, d.out.width, d.out.height);
@@ -425,7 +405,9 @@ Result<Conventions> decide_conventions(const GBufferSettings& settings, std::spa
     decide_camera(d, *known);
   d.guess.trial.model.orthographic = d.out.camera.projection == Projection::kOrthographic;
   decide_normals(d, *known);
-  d.out.depth.model = d.guess.trial.model;
+  const DepthModel& model = d.out.depth.model = d.guess.trial.model;
+  if (d.values.max_integer > 0.0 && !d.out.depth.from_position && model.meaning == DepthMeaning::kPlanar)
+    d.out.depth.unit = std::abs(model.scale);
   if (d.has(Role::kPosition) && !d.position)
     d.warn(fmt::format("the positions {} are not those of a camera's picture, and are not used",
                        roles[Role::kPosition].name));

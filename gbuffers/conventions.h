@@ -14,10 +14,10 @@
 namespace umbrage {
 
 struct DepthConvention {
-  std::array<double, 3> weights{1.0, 0.0, 0.0};  ///< of the channels: the stored depth is their weighted sum
   DepthModel model;
   std::vector<double> background;  ///< stored depths that mean no surface, besides those that always do
   bool from_position = false;      ///< there is no usable depth layer: it is computed from positions
+  double unit = 0.0;               ///< difference of depths that are stored as integers; 0: unknown
   bool is_own = false;             ///< Umbrage wrote it, so that it is exact
 };
 
@@ -46,10 +46,11 @@ struct Conventions {
   bool is_premultiplied = false;                  ///< the beauty is multiplied by its alpha
   std::array<bool, kRoleCount> is_unusable{};     ///< by role: most of its values are NaN
   std::string step_warning;                       ///< its beginning, if there are few different depths
+  std::string step_cure;                          ///< what the file would need
 };
 
-/// Returns the stored depth of a sample's tap, or NaN where it means that there is no surface.
-double stored_depth(const DepthConvention& depth, const std::array<double, 3>& channels);
+/// Returns a stored depth, or NaN where it means that there is no surface.
+double stored_depth(const DepthConvention& depth, double stored);
 
 /// Decides all conventions, and adds a line to the facts for each. There is depth, or there are positions. Errors:
 /// kUsage for options that contradict each other; kFile for a colour picture that was taken for depth.

@@ -326,7 +326,7 @@ TEST(Conventions, SkyOfBytesDoesNotTellTheEncodingOfNormals) {
   TestScene objects;
   for (Hit& hit : objects.hits) hit.found = hit.found && hit.object != 0;
   TestFile file(objects);
-  file.header.max_integer = 255.0;
+  file.max_integer = 255.0;
   file.add(
       "Z", 255.0f, [](const Hit& hit) { return std::round(255.0 * (1.2 - 3.0 / hit.depth)); }, ChannelType::kUint8);
   for (int axis = 0; axis < 3; ++axis)

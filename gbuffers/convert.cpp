@@ -192,7 +192,7 @@ Plane converted_depth(const RawRows& raw, const Conventions& c, const Rows& rows
         depth = glm::dot(c.position.forward, p - c.position.eye);
         if (p == glm::dvec3(0.0) || !(depth > 0.0) || is_never_depth(depth)) depth = kNoDepth;
       } else {
-        depth = view_depth(c.depth.model, stored_depth(c.depth, stored), by_ray ? grid.ray(x, y) : 1.0);
+        depth = view_depth(c.depth.model, stored_depth(c.depth, stored[0]), by_ray ? grid.ray(x, y) : 1.0);
       }
       const auto value = float(depth);
       out.at(x, y - rows.begin) = value > 0.0f ? value : kNoSurface;

@@ -27,11 +27,12 @@ struct Deciding {
   DepthGuess guess;
 
   const LayeredFile& header_of(Role role) const { return headers[std::size_t(roles[role].file)]; }
+  /// Returns the first channel of a role, whose encoding is that of the others.
+  const Channel& channel_of(Role role) const { return header_of(role).channels[std::size_t(roles[role].channels[0])]; }
   bool has(Role role) const { return !roles[role].empty(); }
   /// Returns whether Umbrage wrote the layer of a role, so that its conventions are known.
   bool is_own(Role role, std::string_view layer) const {
-    return has(role) && is_own_file(header_of(role)) &&
-           header_of(role).channels[std::size_t(roles[role].channels[0])].layer == layer;
+    return has(role) && is_own_file(header_of(role)) && channel_of(role).layer == layer;
   }
   void fact(std::string line) { facts.lines.push_back(std::move(line)); }
   void warn(std::string line) { facts.warnings.push_back(std::move(line)); }

@@ -22,6 +22,7 @@ struct Candidate {
   bool is_relative = false;
   bool is_inverse = false, is_dark_high = false;  // of a relative one
   double offset = 0.0;
+  bool has_free_offset = false;  ///< normals may choose it
 };
 
 std::string_view word_of(DepthMeaning meaning) {
@@ -38,13 +39,23 @@ Candidate plain(DepthMeaning meaning, const DepthModel& base) {
   return out;
 }
 
+/// Returns a depth buffer whose planes are not known: inverse depth is offset + t, t being 0 at the far plane and 1 at
+/// the near one.
+Candidate buffer(DepthMeaning meaning, double offset, const DepthModel& base) {
+  Candidate out = plain(meaning, base);
+  out.offset = offset;
+  out.has_free_offset = true;
+  if (offset > 0.0) out.model.far_plane = out.model.near_plane * (1.0 + 1.0 / offset);
+  return out;
+}
+
 /// Returns depth, or inverse depth, that grows linearly with the brightness t from 0 to 1 (or 1 to 0, `is_dark_high`):
 /// offset + t. The unit is such that the nearest depth is 1.
 Candidate relative(bool is_inverse, bool is_dark_high, double offset, const DepthValues& values) {
   const double low = values.range_min(), span = std::max(values.range_max() - low, 1e-30);
   const double near_value = is_inverse ? offset + 1.0 : std::max(offset, 1e-3);
   Candidate out;
-  out.is_relative = true;
+  out.is_relative = out.has_free_offset = true;
   out.is_inverse = is_inverse;
   out.is_dark_high = is_dark_high;
   out.offset = offset;
@@ -55,6 +66,12 @@ Candidate relative(bool is_inverse, bool is_dark_high, double offset, const Dept
   out.meaning = fmt::format("{} of unknown scale, {} is near", is_inverse ? "disparity" : "depth",
                             is_inverse != is_dark_high ? "bright" : "dark");
   return out;
+}
+
+/// Returns the candidate with another offset.
+Candidate with_offset(const Candidate& candidate, double offset, const DepthValues& values) {
+  if (candidate.is_relative) return relative(candidate.is_inverse, candidate.is_dark_high, offset, values);
+  return buffer(candidate.model.meaning, offset, candidate.model);
 }
 
 /// Returns the offset of a relative depth without evidence.
@@ -103,14 +120,28 @@ Result<bool> map_of_options(const DepthEvidence& e, bool is_disparity, DepthMode
   return s.depth_scale || s.depth_offset || !s.depth_range.empty();
 }
 
-/// Offsets of a relative depth that are tried against normals.
+/// Offsets of a relative depth or a depth buffer that are tried against normals.
 constexpr double kOffsets[] = {0.0, 0.02, 0.05, 1.0 / 9.0, 0.25, 0.5, 1.0, 2.0};
 
-/// Adds one relative candidate, or, where normals can tell, one for each offset.
-void add_relative(const DepthEvidence& e, bool is_inverse, bool is_dark_high, std::vector<Candidate>& list) {
-  list.push_back(relative(is_inverse, is_dark_high, default_offset(e.values), e.values));
+/// Adds a candidate, and, where normals can tell, one for each offset.
+void add_with_offsets(const DepthEvidence& e, const Candidate& candidate, std::vector<Candidate>& list) {
+  list.push_back(candidate);
   if (!e.cells.have_normals) return;
-  for (const double offset : kOffsets) list.push_back(relative(is_inverse, is_dark_high, offset, e.values));
+  for (const double offset : kOffsets) list.push_back(with_offset(candidate, offset, e.values));
+}
+
+void add_relative(const DepthEvidence& e, bool is_inverse, bool is_dark_high, std::vector<Candidate>& list) {
+  add_with_offsets(e, relative(is_inverse, is_dark_high, default_offset(e.values), e.values), list);
+}
+
+/// Adds a depth buffer; with other planes than the assumed ones if the options leave them open.
+void add_buffer(const DepthEvidence& e, DepthMeaning meaning, const DepthModel& base, std::vector<Candidate>& list) {
+  const GBufferSettings initial;
+  const bool is_set = e.settings.near_plane != initial.near_plane || e.settings.far_plane != initial.far_plane;
+  if (is_set)
+    list.push_back(plain(meaning, base));
+  else
+    add_with_offsets(e, buffer(meaning, 0.0, base), list);
 }
 
 /// Returns whether the lower part of the picture is brighter than the upper part.
@@ -140,9 +171,11 @@ std::vector<Candidate> candidates_for(const DepthEvidence& e, const DepthModel& 
     case DepthHint::kDistance:
       return {distance, planar};
     case DepthHint::kWindow:
-      return {plain(DepthMeaning::kWindow, base)};
+      add_buffer(e, DepthMeaning::kWindow, base, list);
+      return list;
     case DepthHint::kReversed:
-      return {plain(DepthMeaning::kReversed, base)};
+      add_buffer(e, DepthMeaning::kReversed, base, list);
+      return list;
     case DepthHint::kHeight:
       return {plain(DepthMeaning::kHeight, base)};
     case DepthHint::kDisparity:
@@ -164,9 +197,17 @@ std::vector<Candidate> candidates_for(const DepthEvidence& e, const DepthModel& 
     return list;
   }
   list = {planar, distance};
-  if (e.values.is_unit()) {
-    list.push_back(plain(DepthMeaning::kWindow, base));
-    list.push_back(plain(DepthMeaning::kReversed, base));
+  // The background of a depth buffer is exactly at the far end of its range.
+  constexpr double kMinReversed = 0.5;  // fraction of the range: lower integers are lengths
+  const bool is_wide = e.values.is_unit() || e.values.max > kMinReversed * e.values.max_integer;
+  if ((e.values.is_unit() || e.values.has_high_end) && is_wide) {
+    DepthModel unit = base;
+    unit.scale = 1.0 / e.values.range_max();
+    // Either makes the same surfaces flat: what is below in a picture is nearer.
+    const bool is_reversed = !e.values.has_high_end && is_bright_below(e.cells);
+    for (const bool reversed : {is_reversed, !is_reversed})
+      if (!(reversed && e.values.has_high_end))
+        add_buffer(e, reversed ? DepthMeaning::kReversed : DepthMeaning::kWindow, unit, list);
   } else if (e.cells.have_normals) {
     list.push_back(plain(DepthMeaning::kDisparity, base));
   }
@@ -200,8 +241,7 @@ void refine_offset(const DepthEvidence& e, const Cells& cells, Candidate& candid
   constexpr double kMinOffset = 1e-3;
   for (const double factor : {1.5, 1.2, 1.1, 1.05, 1.02, 1.01, 1.005, 1.002})
     for (const double by : {factor, 1.0 / factor}) {
-      const Candidate other =
-          relative(candidate.is_inverse, candidate.is_dark_high, std::max(candidate.offset, kMinOffset) * by, e.values);
+      const Candidate other = with_offset(candidate, std::max(candidate.offset, kMinOffset) * by, e.values);
       bool is_clear = false;
       const Trial trial = try_candidate(e, cells, other.model, is_clear);
       if (!(trial.normals.squares < guess.trial.normals.squares)) continue;
@@ -209,6 +249,24 @@ void refine_offset(const DepthEvidence& e, const Cells& cells, Candidate& candid
       guess.trial = trial;
       guess.fitted_fov = is_clear;
     }
+}
+
+/// Tells whether the planes of a depth buffer are assumed, and whether a length may as well be a depth buffer. A fitted
+/// camera makes curved surfaces flat, so that distances are never clear.
+void compare_with_buffers(const DepthEvidence& e, const Cells& cells, const std::vector<Candidate>& candidates,
+                          std::size_t chosen, DepthGuess& guess) {
+  if (cells.have_normals) return;
+  const DepthMeaning meaning = candidates[chosen].model.meaning;
+  const bool is_length = meaning == DepthMeaning::kPlanar || meaning == DepthMeaning::kDistance;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.is_relative || !candidate.has_free_offset) continue;
+    bool ignored = false;
+    if (!is_length)
+      guess.assumes_planes = true;
+    else if (e.values.has_low_end || e.values.has_high_end)
+      guess.may_be_buffer = guess.may_be_buffer || meaning == DepthMeaning::kDistance ||
+                            !is_much_better(cells, guess.trial, try_candidate(e, cells, candidate.model, ignored));
+  }
 }
 
 std::string reason_for(const DepthEvidence& e, bool is_prior) {
@@ -237,7 +295,10 @@ Result<DepthGuess> guess_depth(const DepthEvidence& e) {
   if (is_disparity && !*is_mapped) {
     add_relative(e, true, e.settings.depth_invert, candidates);
   } else if (by_option) {
-    candidates = {plain(DepthMeaning(kind), base)};
+    if (is_window(e))
+      add_buffer(e, DepthMeaning(kind), base, candidates);
+    else
+      candidates = {plain(DepthMeaning(kind), base)};
   } else if (*is_mapped) {
     candidates = {plain(is_disparity ? DepthMeaning::kDisparity : DepthMeaning::kPlanar, base)};
     if (!is_disparity) candidates.push_back(plain(DepthMeaning::kDistance, base));
@@ -254,8 +315,8 @@ Result<DepthGuess> guess_depth(const DepthEvidence& e) {
     bool is_clear = false;
     const Trial trial = try_candidate(e, cells, candidates[k].model, is_clear);
     // Candidates that differ in their offset only compete without a bonus for the first.
-    const bool same_kind = k > 0 && candidates[k].is_relative && candidates[chosen].is_relative &&
-                           candidates[k].meaning == candidates[chosen].meaning;
+    const bool same_kind =
+        k > 0 && candidates[k].has_free_offset && candidates[k].meaning == candidates[chosen].meaning;
     const bool better =
         same_kind ? trial.normals.score_deg < guess.trial.normals.score_deg : is_much_better(cells, trial, guess.trial);
     if (k > 0 && !better) continue;
@@ -263,7 +324,8 @@ Result<DepthGuess> guess_depth(const DepthEvidence& e) {
     guess.fitted_fov = is_clear;
     chosen = k;
   }
-  if (candidates[chosen].is_relative && cells.have_normals) refine_offset(e, cells, candidates[chosen], guess);
+  if (candidates[chosen].has_free_offset && cells.have_normals) refine_offset(e, cells, candidates[chosen], guess);
+  compare_with_buffers(e, cells, candidates, chosen, guess);
   guess.meaning = candidates[chosen].meaning;
   guess.is_relative = candidates[chosen].is_relative;
   guess.reason = by_option ? "by option" : reason_for(e, chosen == 0);

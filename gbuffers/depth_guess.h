@@ -23,10 +23,12 @@ struct DepthEvidence {
 
 struct DepthGuess {
   Trial trial;
-  std::string meaning;       ///< for the facts: "planar"
-  std::string reason;        ///< for the facts: "by its name"
-  bool fitted_fov = false;   ///< the camera of the trial was fitted, else it is assumed
-  bool is_relative = false;  ///< scale and offset are not known
+  std::string meaning;          ///< for the facts: "planar"
+  std::string reason;           ///< for the facts: "by its name"
+  bool fitted_fov = false;      ///< the camera of the trial was fitted, else it is assumed
+  bool is_relative = false;     ///< scale and offset are not known
+  bool assumes_planes = false;  ///< a depth buffer of unknown planes
+  bool may_be_buffer = false;   ///< a length that may as well be a depth buffer
 };
 
 /// Returns what the depths mean. Errors: kUsage for options that contradict each other.

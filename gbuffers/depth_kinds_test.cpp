@@ -30,8 +30,7 @@ bool has_warning(const Understood& got, std::string_view word) {
 /// A grey PNG without layers, with integers up to `max`.
 TestFile grey_png(double max, float none, const std::function<double(const Hit&)>& value) {
   TestFile file(scene(), "PNG");
-  file.header.max_integer = max;
-  file.header.is_srgb = true;
+  file.max_integer = max;
   file.add(
       "Y", none, [&](const Hit& hit) { return std::round(value(hit)); },
       max > 255.0 ? ChannelType::kUint16 : ChannelType::kUint8);
@@ -104,8 +103,7 @@ TEST(DepthKinds, TwentyFourBitsInThreeChannels) {
   };
   for (const bool red_high : {true, false}) {
     TestFile file(scene(), "PNG");
-    file.header.max_integer = 255.0;
-    file.header.is_srgb = true;
+    file.max_integer = 255.0;
     file.add(
         "R", 255.0f, [&](const Hit& hit) { return part(hit, red_high ? 16 : 0); }, ChannelType::kUint8);
     file.add(
@@ -134,8 +132,7 @@ TEST(DepthKinds, IntegersOfDepthBuffersStandForZeroToOne) {
       };
       const bool packed = max > 65535.0;
       TestFile file(scene(), "PNG");
-      file.header.max_integer = std::min(max, packed ? 255.0 : max);
-      file.header.is_srgb = true;
+      file.max_integer = std::min(max, packed ? 255.0 : max);
       for (const int shift : packed ? std::vector{16, 8, 0} : std::vector{0}) {
         const unsigned mask = packed ? 255u : 0xffffu;
         const auto none = float((stored(Hit()) >> shift) & mask);
@@ -315,7 +312,7 @@ TEST(DepthKinds, TwoValuesAreNoSteps) {
 
 TEST(DepthKinds, ColourPictureHasNoDepth) {
   TestFile file(scene(), "PNG");
-  file.header.max_integer = 255.0;
+  file.max_integer = 255.0;
   file.add("R", 0.0f, [](const Hit& hit) { return 20.0 + 10.0 * hit.object; });
   file.add("G", 9.0f, [](const Hit& hit) { return 90.0 + 10.0 * hit.object; });
   file.add("B", 99.0f, [](const Hit&) { return 3.0; });

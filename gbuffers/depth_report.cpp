@@ -26,10 +26,26 @@ void warn_of_steps(Deciding& d) {
   const bool few = v.distinct <= kFewLevels && v.surfaces > kEnough;
   constexpr int kMinLevels = 3;  // fewer are no steps of a slope
   if ((!is_byte && !few) || v.distinct < kMinLevels || !(v.max > v.min)) return;
-  const double step = is_byte ? 1.0 : (v.max - v.min) / std::max(v.distinct - 1, 1);
   d.out.step_warning = fmt::format("the depth {} has only {} different values, steps of {} ({:.2g} % of its range)",
-                                   d.roles[Role::kDepth].name, v.distinct, number_text(step),
-                                   100.0 * step / std::max(v.max - v.min, 1e-30));
+                                   d.roles[Role::kDepth].name, v.distinct, number_text(v.step),
+                                   100.0 * v.step / std::max(v.max - v.min, 1e-30));
+  d.out.step_cure = is_byte ? "16 bits or floats are needed" : "floats, or a finer unit, are needed";
+}
+
+/// Warns of points without neighbours, as those of a laser scanner that were projected into a picture.
+void warn_of_points(Deciding& d) {
+  constexpr double kIsolated = 0.5;  // fraction of neighbours with a surface, below which there are no surfaces
+  std::size_t all = 0, beside = 0;
+  for (const auto& taps : d.values.taps) {
+    if (!std::isfinite(taps[kCenter])) continue;
+    all += kTaps - 1;
+    for (const Tap tap : {kLeft, kRight, kAbove, kBelow}) beside += std::size_t(std::isfinite(taps[tap]));
+  }
+  if (double(beside) < kIsolated * double(all))
+    d.warn(
+        fmt::format("the depth {} is isolated points, {:.0f} % of the pixels: shading needs surfaces, so fill it "
+                    "first",
+                    d.roles[Role::kDepth].name, 100.0 * double(d.values.surfaces) / double(d.samples.size())));
 }
 
 void warn_of_no_surface(Deciding& d) {
@@ -66,7 +82,17 @@ void report_depth(Deciding& d) {
                     "NEAR,FAR, `depth_kind` and `depth_invert` say otherwise",
                     d.roles[Role::kDepth].name, std::max(a, b) / std::min(a, b)));
   }
+  const std::string& name = d.roles[Role::kDepth].name;
+  if (d.guess.assumes_planes)
+    d.warn(
+        fmt::format("the depth {} is a depth buffer of unknown planes: near {} and far at infinity are assumed; "
+                    "`near_plane` and `far_plane` set them",
+                    name, number_text(model.near_plane)));
+  if (d.guess.may_be_buffer)
+    d.warn(fmt::format("the depth {} has values from 0 to 1, as a depth buffer: `depth_kind` {} if it is one", name,
+                       d.values.has_low_end ? "reversed" : "window"));
   warn_of_steps(d);
+  warn_of_points(d);
   warn_of_no_surface(d);
 }
 

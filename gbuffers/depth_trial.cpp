@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <map>
 #include <numbers>
 #include <set>
@@ -17,24 +18,43 @@ double linear_on_planes(const DepthModel& model, double stored, double ray) {
   return model.orthographic ? depth : 1.0 / depth;
 }
 
+/// Slopes below this fraction of the value are rounding errors of floats.
+constexpr double kRoundedSlope = 1e-5;
+
 /// What a model gives at a cell.
 struct Local {
   glm::dvec3 normal{0.0};
   double curvature = 1e9;  ///< second differences over first ones
 };
 
+/// As local_at, for a panorama. On a plane n.p = -k, a point at p = direction / value has value = direction.n / -k.
+Local local_in_panorama(const Cell& cell, int reach, const PixelGrid& grid) {
+  const auto direction = [&](int dx, int dy) { return grid.direction(cell.x + dx * reach, cell.y + dy * reach); };
+  const auto value = [&](Tap tap) { return 1.0 / cell.stored[tap]; };
+  const glm::dvec3 l = direction(-1, 0), r = direction(1, 0), a = direction(0, -1), b = direction(0, 1);
+  const double across = value(kRight) - value(kLeft), up = value(kAbove) - value(kBelow), c = value(kCenter);
+  const glm::dvec3 m =
+      glm::inverse(glm::transpose(glm::dmat3(direction(0, 0), r - l, a - b))) * glm::dvec3(c, across, up);
+  Local local;
+  local.curvature = (std::abs(glm::dot(m, l + r) - value(kLeft) - value(kRight)) +
+                     std::abs(glm::dot(m, a + b) - value(kAbove) - value(kBelow))) /
+                    (std::abs(across) + std::abs(up) + kRoundedSlope * std::abs(c));
+  const double length = glm::length(m);
+  if (length > 0.0 && std::isfinite(length)) local.normal = -m / length;
+  return local;
+}
+
 Local local_at(const Cell& cell, int reach, const DepthModel& model, const PixelGrid& grid) {
+  if (model.panorama) return local_in_panorama(cell, reach, grid);
   const auto value = [&](Tap tap, int dx, int dy) {
     return linear_on_planes(model, cell.stored[tap], grid.ray(cell.x + dx * reach, cell.y + dy * reach));
   };
   const double c = value(kCenter, 0, 0), l = value(kLeft, -1, 0), r = value(kRight, 1, 0), a = value(kAbove, 0, -1),
                b = value(kBelow, 0, 1);
   const double across = (r - l) / (2.0 * reach * grid.step_x), up = (a - b) / (2.0 * reach * grid.step_y);
-  // Slopes below this fraction of the value are rounding errors of floats.
-  constexpr double kRounding = 1e-5;
   Local local;
   local.curvature = (std::abs(l - 2.0 * c + r) + std::abs(a - 2.0 * c + b)) /
-                    (std::abs(r - l) + std::abs(a - b) + kRounding * std::abs(c));
+                    (std::abs(r - l) + std::abs(a - b) + kRoundedSlope * std::abs(c));
   // On a plane n.p = -k the inverse depth is (n.x u + n.y v - n.z) / -k.
   const double u = grid.u(cell.x), v = grid.v(cell.y);
   const glm::dvec3 m =
@@ -133,6 +153,16 @@ Trial try_depth(const Cells& cells, const DepthModel& model, const Camera& camer
   trial.used = rebuilt.pairs.size();
   if (cells.have_normals) trial.normals = fit_directions(rebuilt.pairs, true);
   return trial;
+}
+
+bool is_panorama(const Cells& cells, const Trial& best) {
+  constexpr double kMaxScore_deg = 5.0, kMaxFlatness = 0.1;  // of what fits at all
+  if (cells.width != 2 * cells.height) return false;
+  DepthModel model;
+  model.panorama = true;
+  const Trial trial = try_depth(cells, model, best.camera);
+  return is_much_better(cells, trial, best) &&
+         (cells.have_normals ? trial.normals.score_deg < kMaxScore_deg : trial.flatness < kMaxFlatness);
 }
 
 Camera symmetric_camera(double half_height, double aspect, Projection projection) {

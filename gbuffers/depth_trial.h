@@ -50,6 +50,10 @@ RebuiltNormals rebuild_normals(const Cells& cells, const DepthModel& model, cons
 /// Tries one model with a camera.
 Trial try_depth(const Cells& cells, const DepthModel& model, const Camera& camera);
 
+/// Returns whether the stored depths are distances in a panorama of all longitudes and latitudes: that explains the
+/// samples much better than `best`, the best of all cameras.
+bool is_panorama(const Cells& cells, const Trial& best);
+
 /// Returns a symmetric camera. `half_height`: tangent of half the vertical field of view; scene units if orthographic.
 Camera symmetric_camera(double half_height, double aspect, Projection projection = Projection::kPerspective);
 

@@ -17,7 +17,11 @@ struct DepthValues {
   std::size_t surfaces = 0;                     ///< samples that show one
   double at_low = 0.0, at_high = 0.0;           ///< fractions of the samples at the ends of the integers' range
   bool is_negative = false;                     ///< nearly all values are below 0
-  int distinct = 0;                             ///< number of different values, counted up to kManyValues
+  /// Many samples are background because they are 0, or 1 or the max integer, of other values between: the ends of the
+  /// range of a depth buffer.
+  bool has_low_end = false, has_high_end = false;
+  int distinct = 0;   ///< number of different values, counted up to kManyValues
+  double step = 0.0;  ///< min difference of these
   static constexpr int kManyValues = 1000;
 
   bool is_unit() const { return max_integer == 0.0 && min >= 0.0 && max <= 1.0; }
@@ -34,9 +38,16 @@ struct DepthValues {
 /// Returns whether a stored depth means no surface in any file.
 bool is_never_depth(double stored);
 
+/// What stored depths may be, by their name and by options.
+struct MayBe {
+  bool be_low = false;     ///< values of 0 and below are surfaces, and the min may be the background
+  bool be_buffer = false;  ///< a depth buffer, whose background is at the end of its range
+};
+
 /// Collects the stored depths of the samples and recognises their background, which is added to `depth.background`.
-/// `faces`: of each sample whether its normal is valid; empty: there are no normals.
-DepthValues depth_values(const Samples& samples, const LayeredFile& header, bool may_be_low,
-                         const std::vector<char>& faces, DepthConvention& depth);
+/// `max_integer`: stored value that means 1; 0: floats. `faces`: of each sample whether its normal is valid; empty:
+/// there are no normals.
+DepthValues depth_values(const Samples& samples, double max_integer, MayBe may, const std::vector<char>& faces,
+                         DepthConvention& depth);
 
 }  // namespace umbrage

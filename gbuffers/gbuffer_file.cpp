@@ -12,7 +12,9 @@
 #include "gbuffers/convert.h"
 #include "gbuffers/extent.h"
 #include "gbuffers/ids.h"
+#include "gbuffers/packing.h"
 #include "gbuffers/repair.h"
+#include "gbuffers/role_values.h"
 #include "gbuffers/settings.h"
 #include "gbuffers/steps.h"
 #include "io/layers.h"
@@ -62,6 +64,7 @@ struct GBufferFile::State {
   bool is_display_referred = false;
   std::optional<RawPlanes> raw;
   std::vector<float> steps;  // depths that are smoothed: see depth_steps
+  float unit = 0.0f;         // of the steps
   EdgeRepair repair;
 
   bool orthographic() const { return info.camera.projection == Projection::kOrthographic; }
@@ -75,7 +78,7 @@ struct GBufferFile::State {
     if (margin == 0) return converted;
     if (!steps.empty()) {
       Plane& depth = converted.plane("depth");
-      depth = smoothed_steps(depth, {0, depth.height}, steps, orthographic());
+      depth = smoothed_steps(depth, {0, depth.height}, steps, orthographic(), unit);
     }
     const Rows own{rows.begin - around.begin, rows.end - around.begin};
     return repaired_rows(converted, own, repair, info.pixel_width(), orthographic());
@@ -131,12 +134,13 @@ Result<void> find_all_roles(const GBufferSettings& settings, Opened& opened) {
 
 /// Returns the distance of neighbours in samples: farther for values of few bits, whose small differences are noise.
 int sample_reach(const Opened& opened) {
-  constexpr int kExact = 2, kCoarse = 4, kWidth = 480;  // wider pictures have farther neighbours
+  constexpr int kExact = 2, kCoarse = 4, kNarrow = 90, kWidth = 480;  // wider pictures have farther neighbours
   const RoleChannels& depth = opened.roles[Role::kDepth];
   const LayeredFile& header = opened.headers[std::size_t(depth.file)];
   const bool is_float = depth.empty() || header.channels[std::size_t(depth.channels[0])].type == ChannelType::kFloat ||
                         header.channels[std::size_t(depth.channels[0])].type == ChannelType::kDouble;
-  return is_float ? std::max(kExact, header.width / kWidth) : std::max(kCoarse, 2 * header.width / kWidth);
+  return is_float ? std::max(std::clamp(header.width / kNarrow, 1, kExact), header.width / kWidth)
+                  : std::max(kCoarse, 2 * header.width / kWidth);
 }
 
 constexpr double kStoredFraction = 0.25;  // of the memory, for stored values: shading needs the rest
@@ -168,9 +172,10 @@ Result<EdgeCounts> sampled_edges(const RawPlanes& raw, const Conversion& convers
   return counts;
 }
 
-/// Finds the steps of the depth, and tells of them. Errors: kFile.
+/// Finds the steps of the depth, and tells of them. `unit`: see depth_steps. Errors: kFile.
 Result<std::vector<float>> find_steps(const GBufferSettings& settings, const RawPlanes& raw,
-                                      const Conventions& conventions, const PictureInfo& info, GBufferFacts& facts) {
+                                      const Conventions& conventions, const PictureInfo& info, GBufferFacts& facts,
+                                      float& unit) {
   std::vector<float> steps;
   if (settings.repair == "off" || (settings.repair == "auto" && conventions.depth.is_own)) return steps;
   std::vector<Plane> bands;
@@ -179,7 +184,7 @@ Result<std::vector<float>> find_steps(const GBufferSettings& settings, const Raw
     if (!stored) return stored.error();
     bands.push_back(converted_depth(*stored, conventions, band));
   }
-  steps = depth_steps(bands, info.pixel_width(), info.camera.projection == Projection::kOrthographic);
+  steps = depth_steps(bands, info.pixel_width(), info.camera.projection == Projection::kOrthographic, unit);
   constexpr int kBlockRows = 256;
   for (int begin = 0; begin < info.height && !steps.empty(); begin += kBlockRows) {
     const Rows block{begin, std::min(begin + kBlockRows, info.height)};
@@ -247,11 +252,24 @@ Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double me
   auto opened = open_files(settings, state->facts);
   if (!opened) return opened.error();
   if (auto found = find_all_roles(settings, *opened); !found) return found.error();
+  const auto reading = [&](const Packing* packing) {
+    return RawReading{.flip = settings.flip,
+                      .packing = packing,
+                      .memory = kStoredFraction * memory,
+                      .scratch_folder = scratch_folder};
+  };
+  const auto sample_roles = [&](const Roles& some) -> Result<Samples> {
+    const auto raw = RawPlanes::read(opened->headers, some, reading(nullptr));
+    if (!raw) return raw.error();
+    return sample(*raw, sample_reach(*opened), kSampleCount);
+  };
+  if (auto found = find_roles_by_values(settings, opened->headers, sample_roles, opened->roles, state->facts); !found)
+    return found.error();
   const Roles& roles = opened->roles;
   if (roles[Role::kDepth].empty() && roles[Role::kPosition].empty())
     return file_error("'{}' has neither depth nor positions; its layers are {}: `depth_file` FILE:LAYER names another",
                       opened->files[0].path, fmt::join(state->facts.layers, ", "));
-  auto raw = RawPlanes::read(opened->headers, roles, settings.flip, kStoredFraction * memory, scratch_folder);
+  auto raw = RawPlanes::read(opened->headers, roles, reading(find_packing(settings.depth_packing)));
   if (!raw) return raw.error();
   const auto samples = sample(*raw, sample_reach(*opened), kSampleCount);
   if (!samples) return samples.error();
@@ -271,11 +289,12 @@ Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double me
   info.width = raw->width();
   info.height = raw->height();
   info.camera = conventions->camera;
-  auto steps = find_steps(settings, *raw, *conventions, info, state->facts);
+  state->unit = float(conventions->depth.unit);
+  auto steps = find_steps(settings, *raw, *conventions, info, state->facts, state->unit);
   if (!steps) return steps.error();
   if (!conventions->step_warning.empty())
     state->facts.warnings.push_back(conventions->step_warning +
-                                    (steps->empty() ? ": surfaces show terraces; 16 bits or floats are needed"
+                                    (steps->empty() ? ": surfaces show terraces; " + conventions->step_cure
                                                     : ": they are smoothed, but fine shapes are lost"));
   state->steps = std::move(*steps);
   const auto repair = decide_repair(settings, *raw, state->conversion, info, state->facts);

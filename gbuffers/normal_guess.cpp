@@ -60,8 +60,7 @@ NormalChoice axis_choice(const RebuiltNormals& rebuilt, const glm::dmat3& matrix
 /// The stored normals of the samples.
 class StoredNormals {
  public:
-  StoredNormals(const Samples& samples, const LayeredFile& header)
-      : unit_(header.max_integer > 0.0 ? 1.0 / header.max_integer : 1.0) {
+  StoredNormals(const Samples& samples, double max_integer) : unit_(max_integer > 0.0 ? 1.0 / max_integer : 1.0) {
     for (std::size_t c = 0; c < 3; ++c) stored_[c] = &(*samples.find(Role::kNormal, c))[kCenter];
   }
   NormalConvention convention(bool is_unsigned) const {
@@ -90,9 +89,9 @@ class StoredNormals {
 }  // namespace
 
 EncodingGuess guess_encoding(const Samples& samples, const std::vector<char>& has_surface,
-                             const GBufferSettings& settings, const LayeredFile& header) {
+                             const GBufferSettings& settings, double max_integer) {
   if (settings.normal_encoding != "auto") return {settings.normal_encoding == "unsigned", true};
-  const StoredNormals stored(samples, header);
+  const StoredNormals stored(samples, max_integer);
   // Averaging shortens normals at edges, so that the median is compared.
   const auto deviation = [&](bool is_unsigned) {
     std::vector<double> deviations = stored.lengths(stored.convention(is_unsigned), has_surface);
@@ -105,9 +104,9 @@ EncodingGuess guess_encoding(const Samples& samples, const std::vector<char>& ha
   return {as_unsigned < as_signed, better < kUnit && better < kFactor * worse};
 }
 
-std::vector<glm::dvec3> decode_normals(const Samples& samples, const std::vector<char>& has_surface,
-                                       const LayeredFile& header, bool is_unsigned, NormalConvention& convention) {
-  const StoredNormals stored(samples, header);
+std::vector<glm::dvec3> decode_normals(const Samples& samples, const std::vector<char>& has_surface, double max_integer,
+                                       bool is_unsigned, NormalConvention& convention) {
+  const StoredNormals stored(samples, max_integer);
   convention = stored.convention(is_unsigned);
   const double usual = quantile(stored.lengths(convention, has_surface), 0.5);
   std::vector<glm::dvec3> normals(samples.size(), glm::dvec3(0.0));

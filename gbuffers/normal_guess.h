@@ -17,11 +17,11 @@ struct EncodingGuess {
 /// Guesses the encoding of stored normals: the one that gives lengths nearer to 1. `has_surface`: of each sample
 /// whether it shows a surface; others have any normal.
 EncodingGuess guess_encoding(const Samples& samples, const std::vector<char>& has_surface,
-                             const GBufferSettings& settings, const LayeredFile& header);
+                             const GBufferSettings& settings, double max_integer);
 
 /// Returns the stored normals of the samples, unit, in their own space; 0 where there is none.
-std::vector<glm::dvec3> decode_normals(const Samples& samples, const std::vector<char>& has_surface,
-                                       const LayeredFile& header, bool is_unsigned, NormalConvention& convention);
+std::vector<glm::dvec3> decode_normals(const Samples& samples, const std::vector<char>& has_surface, double max_integer,
+                                       bool is_unsigned, NormalConvention& convention);
 
 /// A rotation to view space that something else suggests.
 struct KnownRotation {

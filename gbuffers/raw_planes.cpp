@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "core/lists.h"
+#include "gbuffers/packing.h"
 
 namespace umbrage {
 namespace {
@@ -19,10 +22,34 @@ std::vector<Filled> planes_of(const Roles& roles, int file) {
   std::vector<Filled> planes;
   for (int role = 0; role < kRoleCount; ++role) {
     const RoleChannels& of = roles.of[std::size_t(role)];
-    if (of.file != file) continue;
-    for (std::size_t c = 0; c < of.channels.size(); ++c) planes.push_back({of.channels[c], raw_plane(Role(role), c)});
+    for (std::size_t c = 0; c < of.channels.size(); ++c)
+      if (of.file_of(c) == file) planes.push_back({of.channels[c], raw_plane(Role(role), c)});
   }
   return planes;
+}
+
+/// Sets depth and positions to NaN where the mask is 0.
+void apply_mask(Image& rows) {
+  const Plane* mask = rows.find(raw_plane(Role::kMask, 0));
+  if (!mask) return;
+  for (const Role role : {Role::kDepth, Role::kPosition})
+    for (std::size_t c = 0; c < 3; ++c)
+      if (Plane* plane = rows.find(raw_plane(role, c)))
+        for (int y = 0; y < rows.height; ++y)
+          for (int x = 0; x < rows.width; ++x)
+            if (mask->at(x, y) == 0.0f) plane->at(x, y) = std::numeric_limits<float>::quiet_NaN();
+}
+
+/// Replaces the channels of a packed depth by one.
+void unpack(const Packing& packing, Image& rows) {
+  Plane* first = rows.find(raw_plane(Role::kDepth, 0));
+  if (!first) return;
+  for (int y = 0; y < rows.height; ++y)
+    for (int x = 0; x < rows.width; ++x) {
+      std::array<float, 4> bytes{};
+      for (std::size_t c = 0; c < packing.channels(); ++c) bytes[c] = rows.plane(raw_plane(Role::kDepth, c)).at(x, y);
+      first->at(x, y) = packing.decoded(bytes);
+    }
 }
 
 /// Returns the rows in the opposite order.
@@ -37,17 +64,20 @@ Image upside_down(const Image& rows) {
 }
 
 /// Reads the channels of one file into a store with one plane per role that uses them.
-Result<void> fill(const LayeredFile& header, const std::vector<Filled>& planes, bool flip, RowStore& store) {
+Result<void> fill(const LayeredFile& header, const std::vector<Filled>& planes, const RawReading& reading,
+                  RowStore& store) {
   std::vector<int> channels;
   for (const Filled& filled : planes)
     if (!contains(channels, filled.channel)) channels.push_back(filled.channel);
-  return read_rows(header, channels, [&](const Image& rows, int first) -> Result<void> {
+  return reading.read_rows(header, channels, [&](const Image& rows, int first) -> Result<void> {
     Image named(rows.width, rows.height);
     for (const Filled& filled : planes) {
       const auto at = std::find(channels.begin(), channels.end(), filled.channel) - channels.begin();
       named.add(filled.plane) = rows.planes[std::size_t(at)];
     }
-    if (!flip) return store.write(named, first);
+    if (reading.packing) unpack(*reading.packing, named);
+    apply_mask(named);
+    if (!reading.flip) return store.write(named, first);
     return store.write(upside_down(named), header.height - first - rows.height);
   });
 }
@@ -56,7 +86,8 @@ Result<void> fill(const LayeredFile& header, const std::vector<Filled>& planes, 
 
 std::string raw_plane(Role role, std::size_t channel) {
   constexpr std::string_view kNames[] = {"depth",    "normal",         "position", "albedo",    "beauty",      "alpha",
-                                         "indirect", "indirect_color", "emission", "object_id", "material_id", "own"};
+                                         "indirect", "indirect_color", "emission", "object_id", "material_id", "mask",
+                                         "own"};
   return fmt::format("{}.{}", kNames[std::size_t(role)], channel);
 }
 
@@ -67,8 +98,7 @@ const Plane* RawRows::find(Role role, std::size_t channel) const {
   return nullptr;
 }
 
-Result<RawPlanes> RawPlanes::read(std::span<const LayeredFile> headers, const Roles& roles, bool flip, double memory,
-                                  const std::string& scratch_folder) {
+Result<RawPlanes> RawPlanes::read(std::span<const LayeredFile> headers, const Roles& roles, const RawReading& reading) {
   RawPlanes raw;
   const LayeredFile* sized = nullptr;
   double bytes = 0.0;
@@ -90,10 +120,10 @@ Result<RawPlanes> RawPlanes::read(std::span<const LayeredFile> headers, const Ro
     std::vector<std::string> names;
     for (const Filled& filled : planes) names.push_back(filled.plane);
     // All files go to scratch files if they do not fit together.
-    auto store =
-        RowStore::create(header.width, header.height, std::move(names), bytes <= memory ? memory : 0.0, scratch_folder);
+    auto store = RowStore::create(header.width, header.height, std::move(names),
+                                  bytes <= reading.memory ? reading.memory : 0.0, reading.scratch_folder);
     if (!store) return store.error();
-    if (auto filled = fill(header, planes, flip, *store); !filled) return filled.error();
+    if (auto filled = fill(header, planes, reading, *store); !filled) return filled.error();
     raw.width_ = header.width;
     raw.height_ = header.height;
     raw.stores_.push_back(std::move(*store));

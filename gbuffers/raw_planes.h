@@ -1,6 +1,7 @@
 // RawPlanes: the values that files store for the roles of a G-buffer, before they are converted; in memory, or in
 // scratch files if the picture is too large.
 #pragma once
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,12 +28,25 @@ struct RawRows {
   const Plane* find(Role role, std::size_t channel) const;
 };
 
+struct Packing;
+
+/// Reads channels of a file, as io/layers.h does.
+using ReadChannelRows = std::function<Result<void>(const LayeredFile&, std::span<const int>, const TakeLayerRows&)>;
+
+/// How files are read.
+struct RawReading {
+  bool flip = false;                 ///< the first row of the files is the lowest
+  const Packing* packing = nullptr;  ///< of the depth, whose channels become one plane; null: none
+  double memory = 1e18;              ///< pixels that exceed these bytes go to a file in `scratch_folder`
+  std::string scratch_folder = ".";
+  ReadChannelRows read_rows = umbrage::read_rows;
+};
+
 class RawPlanes {
  public:
-  /// Reads all channels that have roles. `flip`: the first row of the files is the lowest. Pixels that exceed `memory`
-  /// bytes go to a file in `scratch_folder`. Errors: kFile; kUsage if the files differ in size.
-  static Result<RawPlanes> read(std::span<const LayeredFile> headers, const Roles& roles, bool flip, double memory,
-                                const std::string& scratch_folder);
+  /// Reads all channels that have roles. Where Role::kMask is 0, depth and positions become NaN. Errors: kFile; kUsage
+  /// if the files differ in size.
+  static Result<RawPlanes> read(std::span<const LayeredFile> headers, const Roles& roles, const RawReading& reading);
   /// Returns the planes of an image, named by raw_plane.
   static Result<RawPlanes> of(const Image& planes);
 

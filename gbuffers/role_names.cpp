@@ -16,6 +16,7 @@ constexpr DepthName kDepthNames[] = {
     {"rayhitpz", DepthHint::kPlanar},
     {"hitpz", DepthHint::kPlanar},
     {"scenedepth", DepthHint::kPlanar},
+    {"scenedepthworldunits", DepthHint::kPlanar},
     {"worlddepth", DepthHint::kPlanar},
     {"lineardepth"},
     {"cameradepth"},
@@ -76,6 +77,8 @@ constexpr std::string_view kObjectIdNames[] = {"objectid",   "objectindex", "ind
                                                "instanceid", "id",          "instance", "shapeindex"};
 constexpr std::string_view kMaterialIdNames[] = {"materialid", "materialindex", "indexma", "matid"};
 
+constexpr std::string_view kMaskNames[] = {"mask", "valid", "validmask", "validity"};
+
 /// Planes that files of Umbrage have under their own names.
 constexpr std::string_view kOwnNames[] = {"specular", "shininess", "metallic", "roughness", "material_ao",
                                           "shadow",   "shadow1",   "shadow2",  "shadow3",   "shadow4",
@@ -107,6 +110,8 @@ Names names_of(Role role) {
       return kObjectIdNames;
     case Role::kMaterialId:
       return kMaterialIdNames;
+    case Role::kMask:
+      return kMaskNames;
     case Role::kOwn:
       return kOwnNames;
     case Role::kDepth:

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <optional>
 
@@ -47,6 +46,8 @@ bool fits(Role role, const ChannelGroup& group, const LayeredFile& header) {
       return group.is_color || (count == 1 && !is_coverage(group, header));
     case Role::kObjectId:
       return count == 1 || group.is_color;
+    case Role::kMask:
+      return count == 1 && header.format == "NPZ";
     case Role::kOwn:
       return count == 1;
   }
@@ -67,6 +68,35 @@ std::optional<std::pair<char, int>> component_of(const std::string& channel) {
   if (channel.size() == 1 && channel[0] >= 'x' && channel[0] <= 'z') return std::pair('v', channel[0] - 'x');
   return std::nullopt;
 }
+
+/// Channels that are depth whatever the name of their layer: z of most, t of Mitsuba.
+struct DepthChannel {
+  std::string_view letter, name;
+  std::string_view beside;  ///< a channel of the same layer by which it is another coordinate
+};
+constexpr DepthChannel kDepthChannels[] = {{"z", "z", ""}, {"t", "raylength", "s"}};
+
+/// Words that say what a layer is at the end of its name, too: "FinalImage_WorldDepth". Others, such as color, are
+/// then something else.
+constexpr std::string_view kEndings[] = {"depth", "depthworldunits", "normal", "normals", "position", "basecolor"};
+
+/// Returns the ends of a name that begin with a word, without the whole name: "WorldDepth" and "Depth" of
+/// "FinalImage_WorldDepth".
+std::vector<std::string> ends_of(std::string_view name) {
+  const auto is_upper = [](char c) { return c >= 'A' && c <= 'Z'; };
+  std::vector<std::string> ends;
+  for (std::size_t k = 1; k < name.size(); ++k) {
+    const bool is_word = !plain(name.substr(k - 1, 1)).empty() ? is_upper(name[k]) && !is_upper(name[k - 1]) : true;
+    const std::string end = plain(name.substr(k));
+    if (is_word && std::any_of(std::begin(kEndings), std::end(kEndings),
+                               [&](std::string_view word) { return end.ends_with(word); }))
+      ends.push_back(end);
+  }
+  return ends;
+}
+
+/// Weakness of the end of a name: below all whole names of a list.
+constexpr int kOfAnEnd = 10000;
 
 /// A name by which a group may be known. The weaker, the less it says.
 struct KnownAs {
@@ -105,7 +135,14 @@ std::vector<KnownAs> known_as(const ChannelGroup& group, const LayeredFile& head
   // "R G B" and "Z" without the name of a layer are the beauty and the depth. Parts of an EXR may have any name; the
   // name of an array says what it is.
   const bool unnamed = group.layer.empty() && (group.part.empty() || header.format == "EXR");
-  if (single && channel == "z") names.push_back({"z", unnamed ? 1 : 5});
+  for (const DepthChannel& depth : kDepthChannels)
+    if (single && channel == depth.letter &&
+        std::none_of(header.channels.begin(), header.channels.end(), [&](const Channel& other) {
+          return other.part == group.part && other.layer == group.layer && plain(other.name) == depth.beside;
+        }))
+      names.push_back({std::string(depth.name), unnamed ? 1 : 5});
+  for (const std::string& end : ends_of(group.layer.empty() ? group.part : group.layer))
+    names.push_back({end, kOfAnEnd});
   if (group.is_color && unnamed) names.push_back({"rgba", group.part.empty() ? 1 : 3});
   return names;
 }
@@ -120,7 +157,7 @@ bool is_no_depth(const ChannelGroup& group, const LayeredFile& header) {
 
 /// A penalty: the lower, the better; none if no name fits.
 std::optional<int> rank_in(Names names, const std::vector<KnownAs>& known) {
-  constexpr int kPerName = 8;  // more than the max weakness: the list's order decides first
+  constexpr int kPerName = 8;  // more than the weakness of a whole name: the list's order decides first
   std::optional<int> best;
   for (const KnownAs& k : known)
     for (std::size_t i = 0; i < names.size(); ++i)
@@ -172,7 +209,7 @@ DepthHint hint_of(const ChannelGroup& group, const LayeredFile& header) {
 
 RoleChannels taken(const ChannelGroup& group, Role role) {
   RoleChannels out{group.file, group.channels, group.name};
-  const bool takes_alpha = role == Role::kBeauty;
+  const bool takes_alpha = role == Role::kBeauty || role == Role::kDepth;  // the fourth byte of a packed depth
   if (!takes_alpha && out.channels.size() > 3) out.channels.resize(3);
   return out;
 }
@@ -191,6 +228,20 @@ bool is_named(const ChannelGroup& group, const LayeredFile& header, const std::s
 Error unknown_layer(const RoleFile& file, const LayeredFile& header, std::string_view why) {
   return field_error(file.field, "", "'{2}' {3} '{4}'; its layers are {5}", file.path, why, file.layer,
                      fmt::join(layer_list(header), ", "));
+}
+
+/// Returns the channel of a colour or vector that "FILE:LAYER" names, as a group of its own.
+std::optional<ChannelGroup> named_channel(const std::vector<ChannelGroup>& groups, const LayeredFile& header,
+                                          const std::string& layer) {
+  for (const ChannelGroup& group : groups)
+    for (const int channel : group.channels) {
+      ChannelGroup one = group;
+      one.channels = {channel};
+      one.is_color = false;
+      one.name = header.channels[std::size_t(channel)].full_name();
+      if (is_named(one, header, layer)) return one;
+    }
+  return std::nullopt;
 }
 
 /// Returns the group of a file that serves one role. Errors: kUsage.
@@ -238,7 +289,7 @@ void find_all(const LayeredFile& header, int file, const std::vector<ChannelGrou
   }
   search.taken = {depth};
   for (const Role role : {Role::kNormal, Role::kPosition, Role::kAlbedo, Role::kIndirect, Role::kEmission,
-                          Role::kObjectId, Role::kMaterialId, Role::kAlpha, Role::kBeauty})
+                          Role::kObjectId, Role::kMaterialId, Role::kMask, Role::kAlpha, Role::kBeauty})
     if (const ChannelGroup* group = best_group(search, role, names_of(role))) {
       roles[role] = taken(*group, role);
       search.taken.push_back(group);
@@ -247,6 +298,11 @@ void find_all(const LayeredFile& header, int file, const std::vector<ChannelGrou
   if (const ChannelGroup* group = best_group(search, Role::kIndirectColor, names_of(Role::kIndirectColor)))
     roles[Role::kIndirectColor] = taken(*group, Role::kIndirectColor);
   find_own(header, file, roles);
+  for (const ChannelGroup& group : groups)
+    if (group.channels.size() >= 3 && !group.is_color &&
+        std::none_of(roles.of.begin(), roles.of.end(),
+                     [&](const RoleChannels& role) { return contains(role.channels, group.channels.front()); }))
+      roles.unknown.push_back(group);
   if (depth || !roles[Role::kPosition].empty() || groups.size() != 1 || !fits(Role::kDepth, groups[0], header)) return;
   // A single layer without a name, such as that of a greyscale PNG: depth, unless its channels turn out to differ.
   if (is_no_depth(groups[0], header)) return;
@@ -264,17 +320,6 @@ Result<std::string> chosen_view(const LayeredFile& header, const std::string& wa
   if (wanted.empty()) return views.front();
   if (contains(views, wanted)) return wanted;
   return field_error("view", wanted, "'{2}' has no {0} '{1}'{3}", header.path.string(), suggestion(wanted, views));
-}
-
-/// Splits "FILE:LAYER" at its last colon, unless the whole is the name of a file.
-void split_layer(const std::string& text, RoleFile& file) {
-  std::error_code ignored;
-  const std::size_t colon = text.rfind(':');
-  file.path = text;
-  if (colon == std::string::npos || colon == 0 || std::filesystem::exists(text, ignored)) return;
-  if (!std::filesystem::exists(text.substr(0, colon), ignored)) return;
-  file.path = text.substr(0, colon);
-  file.layer = text.substr(colon + 1);
 }
 
 /// Collects single channels whose names differ in a last letter x y z or r g b: "Nx", "Ny", "Nz".
@@ -319,23 +364,6 @@ void name_groups(const LayeredFile& header, std::vector<ChannelGroup>& groups) {
 }
 
 }  // namespace
-
-std::vector<RoleFile> role_files(const GBufferSettings& settings) {
-  std::vector<RoleFile> files;
-  const auto add = [&](std::string_view field, const std::string& text, Role role, bool all_roles) {
-    if (text.empty()) return;
-    files.push_back({role, all_roles, {}, {}, field});
-    split_layer(text, files.back());
-  };
-  add("file", settings.file, Role::kDepth, true);
-  add("depth_file", settings.depth_file, Role::kDepth, false);
-  add("normal_file", settings.normal_file, Role::kNormal, false);
-  add("albedo_file", settings.albedo_file, Role::kAlbedo, false);
-  add("beauty_file", settings.beauty_file, Role::kBeauty, false);
-  add("position_file", settings.position_file, Role::kPosition, false);
-  add("id_file", settings.id_file, Role::kObjectId, false);
-  return files;
-}
 
 std::vector<ChannelGroup> groups_of(const LayeredFile& header, int file) {
   std::vector<ChannelGroup> groups;
@@ -398,6 +426,10 @@ Result<Roles> find_roles(std::span<const RoleFile> files, std::span<const Layere
     if (roles.views.empty()) roles.view = *chosen, roles.views = views;
     std::vector<ChannelGroup> groups = groups_of(headers[k], int(k));
     std::erase_if(groups, [&](const ChannelGroup& g) { return !g.view.empty() && g.view != *chosen; });
+    const bool has_layer = std::any_of(groups.begin(), groups.end(),
+                                       [&](const ChannelGroup& g) { return is_named(g, headers[k], file.layer); });
+    if (!file.layer.empty() && !has_layer)
+      if (auto one = named_channel(groups, headers[k], file.layer)) groups = {std::move(*one)};
     if (file.all_roles && !file.layer.empty()) {
       std::erase_if(groups, [&](const ChannelGroup& g) {
         return !is_named(g, headers[k], file.layer) && plain(prefix_of(g)) != plain(file.layer);
@@ -407,6 +439,15 @@ Result<Roles> find_roles(std::span<const RoleFile> files, std::span<const Layere
     if (groups.empty()) return file_error("'{}' has no channels", file.path);
     if (file.all_roles) {
       find_all(headers[k], int(k), groups, headers, roles);
+      continue;
+    }
+    if (file.is_component) {
+      RoleChannels& role = roles[file.role];
+      if (role.files.size() != 1 && role.files.size() != 2) role = {};
+      role.file = role.files.empty() ? int(k) : role.files[0];
+      role.channels.push_back(groups[0].channels[0]);
+      role.files.push_back(int(k));
+      role.name += (role.name.empty() ? "" : ", ") + headers[k].path.filename().string();
       continue;
     }
     const auto group = group_for(file, headers, groups);

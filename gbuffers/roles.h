@@ -25,7 +25,8 @@ enum class Role {
   kEmission,
   kObjectId,
   kMaterialId,
-  kOwn,  ///< further planes of core/gbuffer.h, in files that Umbrage wrote
+  kMask,  ///< 0 where there is no surface
+  kOwn,   ///< further planes of core/gbuffer.h, in files that Umbrage wrote
 };
 inline constexpr int kRoleCount = int(Role::kOwn) + 1;
 
@@ -54,18 +55,22 @@ enum class DepthHint {
 struct RoleChannels {
   int file = 0;
   std::vector<int> channels;
-  std::string name;  ///< as messages show it
+  std::string name;          ///< as messages show it
+  std::vector<int> files{};  ///< of each channel, if they are in several files; else empty
 
+  int file_of(std::size_t channel) const { return files.empty() ? file : files[channel]; }
   bool empty() const { return channels.empty(); }
 };
 
 struct Roles {
   std::array<RoleChannels, kRoleCount> of;
   DepthHint depth_hint = DepthHint::kNone;
-  bool depth_is_guess = false;     ///< no name says that this is depth: it is the only layer
-  std::vector<std::string> own;    ///< plane names of the channels of kOwn, in their order
-  std::string view;                ///< view of a stereo file; else empty
-  std::vector<std::string> views;  ///< all views of the first file
+  bool depth_is_guess = false;        ///< no name says that this is depth: it is the only layer
+  bool normal_is_guess = false;       ///< no name says that these are normals: their length is 1
+  std::vector<ChannelGroup> unknown;  ///< vectors of the main file whose names say nothing
+  std::vector<std::string> own;       ///< plane names of the channels of kOwn, in their order
+  std::string view;                   ///< view of a stereo file; else empty
+  std::vector<std::string> views;     ///< all views of the first file
 
   RoleChannels& operator[](Role role) { return of[std::size_t(role)]; }
   const RoleChannels& operator[](Role role) const { return of[std::size_t(role)]; }
@@ -74,10 +79,14 @@ struct Roles {
 /// A file of the settings, and what it is for.
 struct RoleFile {
   Role role = Role::kDepth;
-  bool all_roles = false;   ///< the main file, whose layers are recognised
-  std::string path, layer;  ///< of "FILE:LAYER"
+  bool all_roles = false;     ///< the main file, whose layers are recognised
+  std::string path, layer;    ///< of "FILE:LAYER"
+  bool is_component = false;  ///< one of three files that hold a vector: "X.png,Y.png,Z.png"
   std::string_view field = "file";
 };
+
+/// Returns the three image files of "X.png,Y.png,Z.png", which hold the components of a vector; else the text.
+std::vector<std::string> component_files(const std::string& text);
 
 /// Returns the files of the settings, the main one first.
 std::vector<RoleFile> role_files(const GBufferSettings& settings);

@@ -216,5 +216,33 @@ TEST(Ids, FloatsWithAnyBitsAndColoursBecomeSmallIntegers) {
   EXPECT_EQ(collect_ids(*colored, Role::kObjectId, false)->ids, (std::vector<std::uint32_t>{0x0a0b0cu, 0x0c0b0au}));
 }
 
+TEST(Roles, EndsOfNamesCountLessThanWholeNames) {
+  const LayeredFile header = header_with({"Z", "Denoising Depth.Z", "FinalImage_BumpNormal.X",
+                                          "FinalImage_BumpNormal.Y", "FinalImage_BumpNormal.Z", "N.X", "N.Y", "N.Z",
+                                          "Glossy Color.R", "Glossy Color.G", "Glossy Color.B"});
+  const Roles roles = roles_of(header);
+  EXPECT_EQ(channels_text(header, roles[Role::kDepth]), "Z");
+  EXPECT_EQ(channels_text(header, roles[Role::kNormal]), "N.X N.Y N.Z");
+  EXPECT_TRUE(roles[Role::kBeauty].empty());
+}
+
+TEST(Roles, OneChannelCanBeNamed) {
+  const LayeredFile header = header_with({"R", "G", "B", "A", "P.X", "P.Y", "P.Z"});
+  EXPECT_EQ(channels_text(header, roles_of(header, "B")[Role::kDepth]), "B");
+  EXPECT_EQ(channels_text(header, roles_of(header, "P.Z")[Role::kDepth]), "P.Z");
+}
+
+TEST(Roles, ThreeFilesAreOneVector) {
+  EXPECT_EQ(component_files("x.png,y.png,z.png"), (std::vector<std::string>{"x.png", "y.png", "z.png"}));
+  EXPECT_EQ(component_files("shots,take,2/x.png").size(), 1u);
+  std::vector<RoleFile> files = {{Role::kDepth, true, "d.png", ""}};
+  for (const char* name : {"x.png", "y.png", "z.png"}) files.push_back({Role::kNormal, false, name, "", true});
+  std::vector<LayeredFile> headers(4, header_with({"Y"}));
+  const auto roles = find_roles(files, headers, "");
+  ASSERT_TRUE(roles);
+  EXPECT_EQ((*roles)[Role::kNormal].files, (std::vector{1, 2, 3}));
+  EXPECT_EQ((*roles)[Role::kNormal].channels, (std::vector{0, 0, 0}));
+}
+
 }  // namespace
 }  // namespace umbrage

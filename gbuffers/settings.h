@@ -32,7 +32,7 @@ struct GBufferSettings {
   std::optional<float> depth_offset{};        ///< default: 0, or as the file says
   std::vector<float> depth_range{};           ///< two depths: those of the min and max stored value; empty: none
   bool depth_invert = false;                  ///< the max stored value is the nearest
-  std::string depth_packing = "none";         ///< "rgb24": 24 bits in R, G, B, R the highest; "bgr24": B the highest
+  std::string depth_packing = "none";         ///< see packing.h
   std::optional<float> depth_background{};    ///< stored value that means no surface, besides those recognised
   bool flip = false;                          ///< the first row of the files is the lowest
   float near_plane = 0.1f, far_plane = 0.0f;  ///< for "window" and "reversed"; far_plane 0: at infinity

@@ -88,10 +88,12 @@ struct Intervals {
   std::vector<float> low, high;  ///< by level
 };
 
-Intervals intervals_of(const std::vector<float>& levels, bool orthographic) {
+Intervals intervals_of(const std::vector<float>& levels, bool orthographic, float unit) {
   Intervals intervals;
   for (std::size_t k = 0; k < levels.size(); ++k) {
-    const float below = levels[k > 0 ? k - 1 : 0], above = levels[std::min(k + 1, levels.size() - 1)];
+    const float limit = unit > 0.0f ? unit : std::numeric_limits<float>::infinity();
+    const float below = std::max(levels[k > 0 ? k - 1 : 0], levels[k] - limit),
+                above = std::min(levels[std::min(k + 1, levels.size() - 1)], levels[k] + limit);
     const float a = linear(below, orthographic), b = linear(above, orthographic);
     intervals.low.push_back(std::min(a, b));
     intervals.high.push_back(std::max(a, b));
@@ -151,18 +153,23 @@ struct Smoothing {
 
 }  // namespace
 
-std::vector<float> depth_steps(std::span<const Plane> bands, float pixel_size, bool orthographic) {
+std::vector<float> depth_steps(std::span<const Plane> bands, float pixel_size, bool orthographic, float& unit) {
   constexpr double kMinStepped = 0.2;    // fraction of the differing triples
   constexpr double kMinPerLevel = 20.0;  // of them: a step shows at many pixels, a depth of a surface at few
   constexpr float kMinSlope = 0.02f;     // one step from pixel to pixel tilts the surface by more than a degree
+  constexpr float kMinUnitSlope = 0.1f;  // of the unit: more than five degrees
   std::vector<float> levels = different_depths(bands);
   if (levels.size() < kMinLevels) return {};
   NeighbourCounts counts = count_neighbours(bands, levels, pixel_size, orthographic);
   const double needed = std::max(kMinStepped * double(counts.differing), kMinPerLevel * double(levels.size()));
-  if (double(counts.stepped) < needed) return {};
+  if (counts.slopes.empty()) return {};
   const auto median = counts.slopes.begin() + long(counts.slopes.size() / 2);
   std::nth_element(counts.slopes.begin(), median, counts.slopes.end());
-  return *median > kMinSlope ? levels : std::vector<float>();
+  const bool are_seen = double(counts.stepped) >= needed && *median > kMinSlope;
+  const float pixel = pixel_size * (orthographic ? 1.0f : levels[levels.size() / 2]);
+  if (!are_seen && !(unit > kMinUnitSlope * pixel)) return {};
+  if (are_seen) unit = 0.0f;
+  return levels;
 }
 
 void add_levels(const Plane& depth, std::vector<float>& levels) {
@@ -181,7 +188,8 @@ void add_levels(const Plane& depth, std::vector<float>& levels) {
   std::inplace_merge(levels.begin(), middle, levels.end());
 }
 
-Plane smoothed_steps(const Plane& depth, const Rows& own, const std::vector<float>& levels, bool orthographic) {
+Plane smoothed_steps(const Plane& depth, const Rows& own, const std::vector<float>& levels, bool orthographic,
+                     float unit) {
   Smoothing state{depth.width, depth.height, std::vector<int>(std::size_t(depth.width) * std::size_t(depth.height)),
                   Plane(depth.width, depth.height), Plane(depth.width, depth.height)};
   tbb::parallel_for(0, depth.height, [&](int y) {
@@ -190,7 +198,7 @@ Plane smoothed_steps(const Plane& depth, const Rows& own, const std::vector<floa
       state.value.at(x, y) = std::isfinite(depth.at(x, y)) ? linear(depth.at(x, y), orthographic) : 0.0f;
     }
   });
-  const Intervals intervals = intervals_of(levels, orthographic);
+  const Intervals intervals = intervals_of(levels, orthographic, unit);
   for (const int reach : kReaches)
     for (int round = 0; round < kRoundsPerReach; ++round) state.round(reach, intervals);
   Plane smooth(depth.width, own.count());

@@ -18,14 +18,17 @@ inline constexpr int kStepsMargin = 96;
 
 /// Returns the different depths of a picture, ascending, if they are steps that tilt surfaces visibly; else nothing.
 /// `bands`: view depth of rows that are spread over the picture. `pixel_size`: width of a pixel at depth 1, or at any
-/// depth if `orthographic`.
-std::vector<float> depth_steps(std::span<const Plane> bands, float pixel_size, bool orthographic);
+/// depth if `orthographic`. `unit`: difference of depths by which all are stored, 0 if unknown; becomes 0 if the steps
+/// are larger, as those of depth cameras.
+std::vector<float> depth_steps(std::span<const Plane> bands, float pixel_size, bool orthographic, float& unit);
 
 /// Adds the depths of rows that `levels`, ascending, lacks. smoothed_steps needs those of the whole picture.
 void add_levels(const Plane& depth, std::vector<float>& levels);
 
 /// Returns the rows [own.begin, own.end) of `depth`, counted from its first row, without steps. There must be
 /// kStepsMargin further rows on either side, except at the border of the picture.
-Plane smoothed_steps(const Plane& depth, const Rows& own, const std::vector<float>& levels, bool orthographic);
+/// `unit` limits the change, if it is not 0.
+Plane smoothed_steps(const Plane& depth, const Rows& own, const std::vector<float>& levels, bool orthographic,
+                     float unit);
 
 }  // namespace umbrage

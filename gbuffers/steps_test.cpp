@@ -33,7 +33,9 @@ Plane stored(double step, bool inverse) {
   return depth;
 }
 
-std::vector<float> steps_of(const Plane& depth) { return depth_steps(std::vector<Plane>{depth}, kPixel, false); }
+std::vector<float> steps_of(const Plane& depth, float unit = 0.0f) {
+  return depth_steps(std::vector<Plane>{depth}, kPixel, false, unit);
+}
 
 /// RMS difference of the floor's change of inverse depth from row to row, relative to the true change, in rows from
 /// `first` on.
@@ -70,7 +72,7 @@ TEST(DepthSteps, BecomeTheSurface) {
   for (const bool inverse : {true, false}) {
     const Plane depth = stored(inverse ? 0.005 : 0.02, inverse);
     const auto levels = steps_of(depth);
-    const Plane smooth = smoothed_steps(depth, {0, kHeight}, levels, false);
+    const Plane smooth = smoothed_steps(depth, {0, kHeight}, levels, false, 0.0f);
     EXPECT_GT(floor_error(depth), 0.9) << inverse;
     EXPECT_LT(floor_error(smooth), 0.25) << inverse;
     EXPECT_LT(floor_error(smooth, kHeight - 5), 0.25) << "at the border " << inverse;
@@ -88,6 +90,26 @@ TEST(DepthSteps, BecomeTheSurface) {
   }
 }
 
+TEST(DepthSteps, OfAKnownUnitAreSmoothedWithinIt) {
+  // Too few pixels of each step to see them.
+  Plane depth(40, 400);
+  for (int y = 0; y < depth.height; ++y)
+    for (int x = 0; x < depth.width; ++x)
+      depth.at(x, y) = std::round(1000.0f / (1.0f + 0.01f * float(y)) + float(x) / 7.0f);
+  EXPECT_TRUE(steps_of(depth).empty());
+  EXPECT_FALSE(steps_of(depth, 1.0f).empty());
+  EXPECT_TRUE(steps_of(depth, 0.1f).empty()) << "steps that tilt nothing";
+  std::vector<float> levels;
+  for (int y = 0; y < depth.height; ++y) levels.push_back(depth.at(0, depth.height - 1 - y));
+  std::sort(levels.begin(), levels.end());
+  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+  add_levels(depth, levels);
+  const Plane smooth = smoothed_steps(depth, {0, depth.height}, levels, false, 1.0f);
+  for (int y = 0; y < depth.height; ++y)
+    for (int x = 0; x < depth.width; ++x)
+      ASSERT_LE(std::abs(smooth.at(x, y) - depth.at(x, y)), 1.001f) << x << ' ' << y;
+}
+
 TEST(DepthSteps, OfTheWholePictureAreCollected) {
   std::vector<float> levels = {2.0f, 5.0f};
   Plane rows(3, 2, 5.0f);
@@ -102,11 +124,11 @@ TEST(DepthSteps, OfTheWholePictureAreCollected) {
 TEST(DepthSteps, RowsDoNotDependOnTheRowsBeside) {
   const Plane depth = stored(0.02, false);
   const auto levels = steps_of(depth);
-  const Plane whole = smoothed_steps(depth, {0, kHeight}, levels, false);
+  const Plane whole = smoothed_steps(depth, {0, kHeight}, levels, false, 0.0f);
   const int begin = 130, end = 170, first = begin - kStepsMargin, last = end + kStepsMargin;
   Plane part(kWidth, last - first);
   for (int y = first; y < last; ++y) std::copy_n(depth.row(y), kWidth, part.row(y - first));
-  const Plane rows = smoothed_steps(part, {begin - first, end - first}, levels, false);
+  const Plane rows = smoothed_steps(part, {begin - first, end - first}, levels, false, 0.0f);
   for (int y = begin; y < end; ++y)
     for (int x = 0; x < kWidth; ++x) ASSERT_EQ(rows.at(x, y - begin), whole.at(x, y)) << x << ' ' << y;
 }

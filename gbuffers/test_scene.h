@@ -12,6 +12,8 @@
 
 #include "gbuffers/conventions.h"
 #include "gbuffers/convert.h"
+#include "gbuffers/packing.h"
+#include "gbuffers/role_values.h"
 #include "gbuffers/roles.h"
 #include "gbuffers/samples.h"
 
@@ -44,7 +46,7 @@ struct TestScene {
 
   double top() const { return std::tan(fov_deg * 3.14159265358979323846 / 360.0); }
 
-  Hit cast(int x, int y) const {
+  Hit cast(double x, double y) const {
     const double u = top() * width / height * (2.0 * (x + 0.5) / width - 1.0),
                  v = top() * (1.0 - 2.0 * (y + 0.5) / height);
     const bool orthographic = window_height > 0.0;
@@ -104,6 +106,7 @@ struct TestFile {
   LayeredFile header;
   std::vector<std::vector<float>> values;  ///< of each channel, row by row
   const TestScene& scene;
+  double max_integer = 0.0;  ///< of the channels that are added next; 0: floats
 
   explicit TestFile(const TestScene& made, std::string_view format = "EXR") : scene(made) {
     header.path = "test.exr";
@@ -122,6 +125,8 @@ struct TestFile {
     if (dot != std::string::npos) channel.layer = full_name.substr(0, dot);
     channel.name = full_name.substr(dot == std::string::npos ? 0 : dot + 1);
     channel.type = type;
+    channel.max_integer = max_integer;
+    channel.is_srgb = max_integer > 0.0;
     channel.index = int(header.channels.size());
     header.channels.push_back(channel);
     auto& plane = values.emplace_back();
@@ -162,18 +167,25 @@ inline Understood understand(const TestFile& file, const GBufferSettings& settin
   auto roles = find_roles(files, headers, settings.view);
   if (!roles) return out.error = roles.error().message, out;
   out.roles = *roles;
-  Image stored(file.header.width, file.header.height);
-  for (int role = 0; role < kRoleCount; ++role)
-    for (std::size_t c = 0; c < out.roles.of[std::size_t(role)].channels.size(); ++c) {
-      Plane& plane = stored.add(raw_plane(Role(role), c)) = Plane(stored.width, stored.height);
-      const auto& values = file.values[std::size_t(out.roles.of[std::size_t(role)].channels[c])];
-      for (int y = 0; y < stored.height; ++y) {
-        const int row = settings.flip ? stored.height - 1 - y : y;
-        std::copy_n(values.begin() + long(row) * stored.width, stored.width, plane.row(y));
-      }
+  RawReading reading{.flip = settings.flip};
+  reading.read_rows = [&](const LayeredFile& header, std::span<const int> channels, const TakeLayerRows& take) {
+    Image stored(header.width, header.height);
+    for (const int channel : channels) {
+      Plane& plane = stored.add(header.channels[std::size_t(channel)].full_name()) = Plane(stored.width, stored.height);
+      const auto& values = file.values[std::size_t(channel)];
+      for (int y = 0; y < stored.height; ++y)
+        std::copy_n(values.begin() + long(y) * stored.width, stored.width, plane.row(y));
     }
-  if (stored.planes.empty()) return out.error = "no role", out;
-  const auto raw = RawPlanes::of(stored);
+    return take(stored, 0);
+  };
+  const auto sample_roles = [&](const Roles& some) {
+    return sample(*RawPlanes::read(headers, some, reading), 2, 1 << 15);
+  };
+  if (auto found = find_roles_by_values(settings, headers, sample_roles, out.roles, out.facts); !found)
+    return out.error = found.error().message, out;
+  if (out.roles[Role::kDepth].empty() && out.roles[Role::kPosition].empty()) return out.error = "no role", out;
+  reading.packing = find_packing(settings.depth_packing);
+  const auto raw = RawPlanes::read(headers, out.roles, reading);
   const auto samples = sample(*raw, 2, 1 << 15);
   auto conventions = decide_conventions(settings, headers, out.roles, *samples, out.facts);
   if (!conventions) return out.error = conventions.error().message, out;
@@ -181,7 +193,7 @@ inline Understood understand(const TestFile& file, const GBufferSettings& settin
   if (!conventions->step_warning.empty()) out.facts.warnings.push_back(conventions->step_warning);
   Conversion conversion{*conventions, out.roles.own, {}, {}};
   if (!out.roles[Role::kObjectId].empty()) conversion.object_ids = *collect_ids(*raw, Role::kObjectId, false);
-  const Rows all{0, stored.height};
+  const Rows all{0, file.header.height};
   out.planes = convert(*raw->rows(all), conversion, all);
   return out;
 }

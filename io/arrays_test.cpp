@@ -56,7 +56,7 @@ void expect_type(Arrays& test, const std::string& kind, ChannelType type, double
     const Image image = test.read("x.npy", test::npy_of(order + kind, "3, 5", bytes));
     ASSERT_EQ(image.names, std::vector<std::string>{"Y"}) << kind;
     EXPECT_EQ(test.header.channels[0].type, type) << kind;
-    EXPECT_EQ(test.header.max_integer, max) << kind;
+    EXPECT_EQ(test.header.channels[0].max_integer, max) << kind;
     for (int i = 0; i < 15; ++i)
       EXPECT_EQ(image.planes[0].at(i % 5, i / 5), float(values[std::size_t(i)])) << kind << i;
   }
@@ -159,8 +159,8 @@ TEST_F(Arrays, ArraysOfAnNpzAreParts) {
   EXPECT_EQ(image.width, 10);
   EXPECT_EQ(image.planes[0].at(9, 8), 2.5f);
   EXPECT_EQ(image.planes[3].at(9, 8), 77.0f);
-  EXPECT_TRUE(header.is_srgb);
-  EXPECT_EQ(header.max_integer, 255.0);
+  EXPECT_TRUE(header.channels[1].is_srgb);
+  EXPECT_EQ(header.channels[1].max_integer, 255.0);
   ASSERT_TRUE(header.attribute("intrinsics"));
   EXPECT_EQ(*header.attribute("intrinsics"), "525,0,319.5,0,525,239.5,0,0,1");
   ASSERT_TRUE(header.attribute("points"));
@@ -177,7 +177,7 @@ TEST_F(Arrays, ArraysOfAnNpzAreParts) {
 
 TEST_F(Arrays, NetpbmCommentsAndMaxima) {
   Image image = read("x.pgm", "P2\n# one\n2 # two\n2\n1000\n0 500 # three\n1000 7\n");
-  EXPECT_EQ(header.max_integer, 1000.0);
+  EXPECT_EQ(header.channels[0].max_integer, 1000.0);
   EXPECT_EQ(header.channels[0].type, ChannelType::kUint16);
   EXPECT_EQ(image.planes[0].at(1, 0), 500.0f);
   EXPECT_EQ(image.planes[0].at(1, 1), 7.0f);
@@ -233,6 +233,21 @@ TEST_F(Arrays, RadianceRunsAreExpanded) {
   expect_error("x.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd", "32-bit_rle_xyze");
   expect_error("x.hdr", "#?RADIANCE\n\n+Y 1 +X 1\nabcd", "-Y height");
   expect_error("x.hdr", test::hdr_of(20000, 10000, "abcd"), "cut short");
+}
+
+TEST_F(Arrays, MapsOfColmap) {
+  std::vector<float> values(9 * 4 * 3);
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = float(k);
+  const Image depth =
+      read("x.bin", "9&4&1&" + test::memory_of(std::vector<float>(values.begin(), values.begin() + 36)));
+  EXPECT_EQ(depth.names, std::vector<std::string>{"depth.Z"});
+  EXPECT_EQ(depth.planes[0].at(8, 3), 35.0f);
+  const Image normals = read("x.bin", "9&4&3&" + test::memory_of(values));
+  EXPECT_EQ(normals.names, (std::vector<std::string>{"normal.X", "normal.Y", "normal.Z"}));
+  EXPECT_EQ(normals.planes[1].at(0, 1), 45.0f);
+  expect_error("x.bin", "9&4&3&" + test::memory_of(std::vector<float>(100)), "cut short");
+  expect_error("x.bin", "9&4&2&" + test::memory_of(values), "2 channels");
+  expect_error("x.bin", "90000000&4&1&" + test::memory_of(values), "90000000");
 }
 
 }  // namespace

@@ -114,7 +114,7 @@ Result<LayeredFile> read_grid_header(const fs::path& file) {
   GridReader reader;
   if (auto opened = open(file, reader); !opened) return opened.error();
   LayeredFile header = plain_header(reader.width, reader.height);
-  add_picture_channels(header, 1, ChannelType::kFloat);
+  add_picture_channels(header, 1, ChannelType::kFloat, 0.0);
   header.geo = reader.geo;
   return header;
 }

@@ -106,6 +106,7 @@ Result<LayeredFile> read_exr_header(const fs::path& file) {
       header.data.y1 = std::max(header.data.y1, std::min(data.max.y - display.min.y + 1, header.height));
       header.is_deep = header.is_deep || is_deep(input.header(part));
       add_attributes(input.header(part), header);
+      if (Imf::hasEnvmap(input.header(part))) header.attributes.emplace_back("envmap", "");
     }
     if (header.data.x1 <= header.data.x0 || header.data.y1 <= header.data.y0) header.data = {};
     for (const ExrChannel& channel : exr_channels_of(input)) {

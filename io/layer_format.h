@@ -52,7 +52,7 @@ struct LayerFormat {
 inline constexpr std::size_t kLayerMagic = 16;
 
 extern const LayerFormat kExrLayers, kPngLayers, kPfmLayers, kTiffLayers, kNpyLayers, kNpzLayers, kPnmLayers,
-    kGridLayers, kJpegLayers, kWebpLayers, kHdrLayers;
+    kGridLayers, kJpegLayers, kWebpLayers, kHdrLayers, kColmapLayers;
 
 /// Return what read_header and read_channels do for files of this format; depth outside the data window has the value
 /// `outside_depth`.
@@ -65,8 +65,8 @@ Result<Image> read_picture_as(const LayerFormat& format, const std::filesystem::
 
 /// Returns the header of a file with one picture whose data fill the display window, without channels.
 LayeredFile plain_header(int width, int height);
-/// Adds `count` channels: Y for 1, Y A for 2, R G B, R G B A.
-void add_picture_channels(LayeredFile& file, int count, ChannelType type);
+/// Adds `count` channels: Y for 1, Y A for 2, R G B, R G B A. `max_integer`: that of display values; 0: floats.
+void add_picture_channels(LayeredFile& file, int count, ChannelType type, double max_integer);
 
 /// Returns the error for a file that is not the one whose header was read.
 Error changed_file(const LayeredFile& file);

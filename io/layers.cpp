@@ -13,7 +13,7 @@ namespace {
 
 constexpr const LayerFormat* kFormats[] = {&kExrLayers,  &kPngLayers,  &kTiffLayers, &kPfmLayers,
                                            &kNpyLayers,  &kNpzLayers,  &kPnmLayers,  &kGridLayers,
-                                           &kJpegLayers, &kWebpLayers, &kHdrLayers};
+                                           &kJpegLayers, &kWebpLayers, &kHdrLayers,  &kColmapLayers};
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr std::int64_t kMaxValues = std::int64_t(1) << 31;  // 8 GB, in memory at once
@@ -120,12 +120,14 @@ LayeredFile plain_header(int width, int height) {
   return file;
 }
 
-void add_picture_channels(LayeredFile& file, int count, ChannelType type) {
+void add_picture_channels(LayeredFile& file, int count, ChannelType type, double max_integer) {
   const std::string_view names = count == 1 ? "Y" : count == 2 ? "YA" : count == 3 ? "RGB" : "RGBA";
   for (const char name : names) {
     Channel channel;
     channel.name = name;
     channel.type = type;
+    channel.max_integer = max_integer;
+    channel.is_srgb = max_integer > 0.0;
     file.channels.push_back(std::move(channel));
   }
 }
@@ -178,10 +180,12 @@ Result<Image> read_picture_as(const LayerFormat& format, const fs::path& file) {
   if (!image) return image;
   constexpr std::string_view kNames[] = {"color.r", "color.g", "color.b", "color.a"};
   for (std::size_t c = 0; c < image->names.size(); ++c) image->names[c] = channels.size() == 1 ? "grey" : kNames[c];
-  if (header->max_integer > 0.0)
-    for (Plane& plane : image->planes)
-      for (int y = 0; y < plane.height; ++y)
-        for (int x = 0; x < plane.width; ++x) plane.at(x, y) /= float(header->max_integer);
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const double max = header->channels[std::size_t(channels[c])].max_integer;
+    Plane& plane = image->planes[c];
+    for (int y = 0; y < plane.height && max > 0.0; ++y)
+      for (int x = 0; x < plane.width; ++x) plane.at(x, y) /= float(max);
+  }
   return image;
 }
 

@@ -26,7 +26,9 @@ struct Channel {
   std::string layer;  ///< the name before its last dot: "ViewLayer.Depth"; empty if it has none
   std::string name;   ///< the name after its last dot: "Z"; "R", "G", "B", "A" or "Y" (grey) in files without names
   ChannelType type = ChannelType::kFloat;
-  int index = 0;  ///< position in LayeredFile::channels
+  int index = 0;             ///< position in LayeredFile::channels
+  double max_integer = 0.0;  ///< integer value that reads as 1 unless read raw; 0: no such scale
+  bool is_srgb = false;      ///< display values of 8 or 16 bits: PNG, JPEG, WebP
 
   /// Returns part, layer and name, joined by dots; the part only if the layer does not repeat it.
   std::string full_name() const;
@@ -56,8 +58,6 @@ struct LayeredFile {
   PixelBox data;                  ///< where there are pixels, in the display window; of all parts together
   std::vector<Channel> channels;  ///< in the order of the file
   bool is_deep = false;           ///< samples along each ray, which are flattened while reading
-  bool is_srgb = false;           ///< 8- or 16-bit display values: PNG, JPEG, WebP
-  double max_integer = 0.0;       ///< integer value that reads as 1 unless read raw; 0: no such scale
   double pixel_aspect = 1.0;      ///< width / height of a pixel
   std::optional<Camera> camera;   ///< from worldToCamera and worldToNDC
   std::optional<GeoRaster> geo;   ///< of a georeferenced TIFF
@@ -78,8 +78,8 @@ Result<LayeredFile> read_header(const std::filesystem::path& file);
 using TakeLayerRows = std::function<Result<void>(const Image& rows, int first)>;
 
 /// Reads channels of a file, by index, and passes rows of the display window to `take`; not all rows need be in memory.
-/// Values are as stored: integers from 0 to max_integer, floats unchanged. Outside the data window they are 0, and NaN
-/// in channels named Z or depth. Errors: kFile; those of `take`.
+/// Values are as stored: integers from 0 to Channel::max_integer, floats unchanged. Outside the data window they are 0,
+/// and NaN in channels named Z or depth. Errors: kFile; those of `take`.
 Result<void> read_rows(const LayeredFile& file, std::span<const int> channels, const TakeLayerRows& take);
 
 /// Reads whole channels: the same planes as read_rows. Errors: kFile; kDevice without memory.

@@ -152,13 +152,11 @@ void add_channels(const Array& array, const Layout& layout, const std::string& p
     channel.part = part;
     channel.name = names[std::size_t(c)];
     channel.type = channel_type(array.type);
+    if (array.type.kind == SampleKind::kUnsigned && array.type.bytes <= 2)
+      channel.max_integer = array.type.bytes == 1 ? 255.0 : 65535.0;
+    channel.is_srgb = channel.max_integer == 255.0 && layout.channels >= 3;
     header.channels.push_back(std::move(channel));
   }
-  const double max = array.type.kind != SampleKind::kUnsigned || array.type.bytes > 2 ? 0.0
-                     : array.type.bytes == 1                                          ? 255.0
-                                                                                      : 65535.0;
-  if (max > 0.0 && (header.max_integer == 0.0 || layout.channels >= 3)) header.max_integer = max;
-  if (max == 255.0 && layout.channels >= 3) header.is_srgb = true;
 }
 
 /// Converts a row of a channel to floats.

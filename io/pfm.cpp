@@ -111,7 +111,7 @@ Result<LayeredFile> read_pfm_header(const fs::path& file) {
   PfmReader reader;
   if (auto opened = open(file, reader); !opened) return opened.error();
   LayeredFile header = plain_header(reader.width, reader.height);
-  add_picture_channels(header, reader.channels, ChannelType::kFloat);
+  add_picture_channels(header, reader.channels, ChannelType::kFloat, 0.0);
   return header;
 }
 

@@ -20,9 +20,7 @@ constexpr SampleType kByte{SampleKind::kUnsigned, 1, false};
 
 LayeredFile display_header(int width, int height, int channels) {
   LayeredFile header = plain_header(width, height);
-  add_picture_channels(header, channels, ChannelType::kUint8);
-  header.is_srgb = true;
-  header.max_integer = 255.0;
+  add_picture_channels(header, channels, ChannelType::kUint8, 255.0);
   return header;
 }
 
@@ -239,7 +237,7 @@ Result<LayeredFile> read_radiance_header(const fs::path& file) {
   Radiance reader;
   if (auto opened = open(file, reader); !opened) return opened.error();
   LayeredFile header = plain_header(reader.width, reader.height);
-  add_picture_channels(header, 3, ChannelType::kFloat);
+  add_picture_channels(header, 3, ChannelType::kFloat, 0.0);
   return header;
 }
 

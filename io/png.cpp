@@ -231,9 +231,9 @@ Result<LayeredFile> read_png_header(const fs::path& file) {
   PngReader reader;
   if (auto opened = open(file, stream, reader); !opened) return opened.error();
   LayeredFile header = plain_header(reader.width, reader.height);
-  add_picture_channels(header, reader.channels, reader.bits == 16 ? ChannelType::kUint16 : ChannelType::kUint8);
-  header.is_srgb = true;
-  header.max_integer = reader.bits == 16 ? 65535.0 : 255.0;
+  const bool is_wide = reader.bits == 16;
+  add_picture_channels(header, reader.channels, is_wide ? ChannelType::kUint16 : ChannelType::kUint8,
+                       is_wide ? 65535.0 : 255.0);
   return header;
 }
 

@@ -66,9 +66,8 @@ Result<LayeredFile> read_pnm_header(const fs::path& file) {
   PnmReader reader;
   if (auto opened = open(file, reader); !opened) return opened.error();
   LayeredFile header = plain_header(reader.width, reader.height);
-  add_picture_channels(header, reader.channels, reader.max > 255 ? ChannelType::kUint16 : ChannelType::kUint8);
-  header.is_srgb = true;
-  header.max_integer = reader.max;
+  add_picture_channels(header, reader.channels, reader.max > 255 ? ChannelType::kUint16 : ChannelType::kUint8,
+                       reader.max);
   return header;
 }
 

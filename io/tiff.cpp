@@ -51,6 +51,11 @@ int on_error(TIFF*, void* user, const char*, const char* format, va_list argumen
 
 int on_warning(TIFF*, void*, const char*, const char*, va_list) { return 1; }
 
+/// Returns the error for pixels that cannot be decoded. The library's own message counts rows of its buffers.
+Error damaged_pixels(const fs::path& file, std::string_view what, int number) {
+  return file_error("'{}' cannot be read as TIFF: {} {} is missing or damaged", file.string(), what, number);
+}
+
 Error read_error(const fs::path& file, const TiffReader& reader) {
   return file_error("'{}' cannot be read as TIFF: {}", file.string(),
                     reader.message.empty() ? "it is damaged" : reader.message);
@@ -174,8 +179,10 @@ Result<LayeredFile> read_tiff_header(const fs::path& file) {
   LayeredFile header = plain_header(int(reader.width), int(reader.height));
   name_channels(reader, header);
   header.geo = geo_raster_of(reader.tiff.get(), header.width, header.height);
-  header.max_integer = reader.max_integer();
-  header.is_srgb = header.max_integer >= 255.0 && !header.geo;
+  for (Channel& channel : header.channels) {
+    channel.max_integer = reader.max_integer();
+    channel.is_srgb = channel.max_integer >= 255.0 && !header.geo;
+  }
   add_texts(reader, header);
   return header;
 }
@@ -225,7 +232,7 @@ Result<void> read_strips(const LayeredFile& file, TiffReader& reader, std::span<
         }
         const bool is_read = !reader.is_planar() && c > 0;
         if (!is_read && TIFFReadScanline(from.tiff.get(), row.data(), std::uint32_t(y), plane) < 0)
-          return read_error(file.path, from);
+          return damaged_pixels(file.path, "row", y);
         convert(reader, row.data(), reader.is_planar() ? 0 : channels[c], samples, file.width, out);
       }
     return {};
@@ -244,7 +251,7 @@ Result<void> read_tiles(const LayeredFile& file, TiffReader& reader, std::span<c
     const std::uint32_t index = TIFFComputeTile(tiff, std::uint32_t(x), std::uint32_t(y), 0, plane);
     const bool omitted = is_omitted(tiff, index), is_read = !reader.is_planar() && c > 0;
     if (!omitted && !is_read && TIFFReadEncodedTile(tiff, index, tile.data(), tmsize_t(tile.size())) < 0)
-      return read_error(file.path, reader);
+      return damaged_pixels(file.path, "the tile at row", y);
     const int count = std::min(tile_width, file.width - x);
     for (int row = std::max(y, first); row < std::min(y + tile_height, end); ++row) {
       float* out = target.row(int(c), row) + x;

@@ -108,8 +108,8 @@ TEST_F(TiffLayers, ChannelsAreNamedByTheirMeaning) {
   EXPECT_EQ(names({.samples = 3, .bits = 8, .format = kUint, .photometric = kRgb}, {}), "R G B ");
   EXPECT_EQ(names({.samples = 5, .bits = 8, .format = kUint, .photometric = kRgb}, {EXTRASAMPLE_ASSOCALPHA, 0}),
             "R G B A band5 ");
-  EXPECT_TRUE(header().is_srgb);
-  EXPECT_EQ(header().max_integer, 255.0);
+  EXPECT_TRUE(header().channels[0].is_srgb);
+  EXPECT_EQ(header().channels[0].max_integer, 255.0);
 }
 
 TEST_F(TiffLayers, FewBitsAndInvertedGreyAreRead) {
@@ -125,7 +125,7 @@ TEST_F(TiffLayers, FewBitsAndInvertedGreyAreRead) {
   TIFFClose(tiff);
   const auto image = read_channels(header(), std::vector<int>{0});
   ASSERT_TRUE(image) << image.error().message;
-  EXPECT_EQ(header().max_integer, 1.0);
+  EXPECT_EQ(header().channels[0].max_integer, 1.0);
   for (int x = 0; x < 9; ++x) EXPECT_EQ(image->planes[0].at(x, 0), std::string_view("010011110")[std::size_t(x)] - '0');
 }
 
@@ -265,6 +265,31 @@ TEST_F(TiffLayers, WhatCannotBeReadIsNamed) {
   }
   write("x.tif", bytes);
   expect_error("65537 x 65537");
+}
+
+TEST_F(TiffLayers, CutFileIsOneTrueSentence) {
+  // Directory first, so that rows are missing and not the directory.
+  std::string bytes("II*\0\x08\0\0\0\x09\0", 10);
+  const auto entry = [&](int tag, int type, std::uint32_t value) {
+    bytes += test::memory_of(std::vector<std::uint16_t>{std::uint16_t(tag), std::uint16_t(type)});
+    bytes += test::memory_of(std::vector<std::uint32_t>{1, value});
+  };
+  const std::uint32_t start = 10 + 9 * 12 + 4, width = 20, height = 30;
+  entry(TIFFTAG_IMAGEWIDTH, TIFF_LONG, width);
+  entry(TIFFTAG_IMAGELENGTH, TIFF_LONG, height);
+  entry(TIFFTAG_BITSPERSAMPLE, TIFF_SHORT, 8);
+  entry(TIFFTAG_COMPRESSION, TIFF_SHORT, COMPRESSION_NONE);
+  entry(TIFFTAG_PHOTOMETRIC, TIFF_SHORT, PHOTOMETRIC_MINISBLACK);
+  entry(TIFFTAG_STRIPOFFSETS, TIFF_LONG, start);
+  entry(TIFFTAG_SAMPLESPERPIXEL, TIFF_SHORT, 1);
+  entry(TIFFTAG_ROWSPERSTRIP, TIFF_LONG, height);
+  entry(TIFFTAG_STRIPBYTECOUNTS, TIFF_LONG, width * height);
+  bytes += std::string(4, '\0') + std::string(width * height, 'x');
+  write("x.tif", bytes);
+  EXPECT_EQ(read_channels(header(), std::vector{0})->planes[0].at(3, 29), float('x'));
+  write("x.tif", bytes.substr(0, bytes.size() - 300));
+  expect_error("row 0 is missing or damaged");
+  expect_error("x.tif");
 }
 
 }  // namespace

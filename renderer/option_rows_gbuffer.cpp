@@ -80,10 +80,12 @@ std::vector<Option> depth_options() {
                 OptionForm::kPair, "scene units"),
       row("depth_invert", "depth-invert", "the max stored value is the nearest", "",
           in_gbuffer<&GBufferSettings::depth_invert>),
-      with_choices(row("depth_packing", "depth-packing",
-                       "how a depth is stored in several channels: none, rgb24 (24 bits, R the highest), bgr24", "none",
-                       in_gbuffer<&GBufferSettings::depth_packing>),
-                   {"none", "rgb24", "bgr24"}),
+      with_choices(
+          row("depth_packing", "depth-packing",
+              "how a depth is stored in several channels: none, rgb24 (24 bits, R the highest), bgr24, float32 "
+              "(the bits of a float, R the lowest), float32-bgra, terrain-rgb and terrarium (elevation)",
+              "none", in_gbuffer<&GBufferSettings::depth_packing>),
+          {"none", "rgb24", "bgr24", "float32", "float32-bgra", "terrain-rgb", "terrarium"}),
       with_range(row("depth_background", "background", "stored depth that means no surface", "recognised",
                      in_gbuffer<&GBufferSettings::depth_background>),
                  -1e38, 1e38),

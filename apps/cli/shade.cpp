@@ -14,6 +14,7 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/shade_frame.h"
 #include "apps/cli/standard_input.h"
+#include "gbuffers/roles.h"
 #include "renderer/setting_warnings.h"
 
 namespace umbrage::cli {
@@ -26,8 +27,9 @@ constexpr std::string_view kStandardInput = "-";
 /// Checks that the output is not one of the inputs. Errors: kUsage.
 Result<void> check_inputs_remain(const GBufferSettings& settings, const std::string& output) {
   for (const auto field : kFileFields)
-    if (!(settings.*field).empty())
-      if (auto status = check_input_remains(path_of(settings.*field), output); !status) return status;
+    for (const std::string& name : component_files(settings.*field))
+      if (!name.empty())
+        if (auto status = check_input_remains(path_of(name), output); !status) return status;
   return {};
 }
 

@@ -1,5 +1,7 @@
 #include "apps/cli/shade_frame.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cctype>
 #include <chrono>
@@ -12,6 +14,7 @@
 #include "core/lists.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
+#include "gbuffers/roles.h"
 #include "io/layers.h"
 #include "io/svg.h"
 #include "renderer/passes.h"
@@ -189,16 +192,17 @@ Result<FrameNames> names_of_pattern(const std::string& name) { return frame_name
 }  // namespace
 
 bool is_sequence(const GBufferSettings& settings) {
-  return std::any_of(kFileFields.begin(), kFileFields.end(), [&](auto field) { return is_pattern(settings.*field); });
+  return std::any_of(kFileFields.begin(), kFileFields.end(),
+                     [&](auto field) { return std::ranges::any_of(component_files(settings.*field), is_pattern); });
 }
 
 GBufferSettings settings_of_frame(const GBufferSettings& settings, int frame) {
   GBufferSettings own = settings;
   for (const auto field : kFileFields) {
-    std::string& name = own.*field;
-    if (!is_pattern(name)) continue;
-    const std::string path = path_of(name);
-    name = names_of_pattern(name)->of(frame) + name.substr(path.size());
+    std::vector<std::string> names = component_files(own.*field);
+    for (std::string& name : names)
+      if (is_pattern(name)) name = names_of_pattern(name)->of(frame) + name.substr(path_of(name).size());
+    own.*field = fmt::format("{}", fmt::join(names, ","));
   }
   return own;
 }
@@ -206,15 +210,16 @@ GBufferSettings settings_of_frame(const GBufferSettings& settings, int frame) {
 Result<SequenceFiles> input_files(const GBufferSettings& settings) {
   SequenceFiles files;
   for (const auto field : kFileFields) {
-    const std::string& name = settings.*field;
-    if (name.empty()) continue;
-    if (!is_pattern(name)) {
-      files.shared.emplace_back(path_of(name));
-      continue;
+    for (const std::string& name : component_files(settings.*field)) {
+      if (name.empty()) continue;
+      if (!is_pattern(name)) {
+        files.shared.emplace_back(path_of(name));
+        continue;
+      }
+      auto names = names_of_pattern(name);
+      if (!names) return names.error();
+      files.inputs.push_back(std::move(*names));
     }
-    auto names = names_of_pattern(name);
-    if (!names) return names.error();
-    files.inputs.push_back(std::move(*names));
   }
   return files;
 }
