@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "gbuffers/camera_guess.h"
 #include "renderer/recipe.h"
 
 namespace umbrage {
@@ -16,7 +17,9 @@ DepthMeaning meaning_in_memory(DepthMeaning given) {
 
 Lens lens_of(const Request& request) {
   const GBufferSettings& g = request.gbuffer;
-  const std::vector<float> window = g.window.empty() ? std::vector<float>{-1, 1, -1, 1} : g.window;
+  std::vector<float> window = g.window.empty() ? std::vector<float>{-1, 1, -1, 1} : g.window;
+  if (const auto camera = camera_of_intrinsics(g.focal_length_px, request.width, request.height))
+    window = {camera->left, camera->right, camera->bottom, camera->top};
   return {.width = request.width,
           .height = request.height,
           .depth_kind = meaning_in_memory(DepthMeaning(choice_index("depth_kind", g.depth_kind))),

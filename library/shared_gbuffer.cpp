@@ -83,7 +83,6 @@ const char* set_for_files(const GBufferSettings& set) {
       {"normal_encoding", set.normal_encoding != initial.normal_encoding},
       {"position_space", set.position_space != initial.position_space},
       {"fov_deg", set.fov_deg.has_value()},
-      {"focal_length_px", !set.focal_length_px.empty()},
       {"focal_length_mm", set.focal_length_mm.has_value()},
       {"sensor_width_mm", set.sensor_width_mm != initial.sensor_width_mm},
   };
@@ -102,6 +101,8 @@ Result<void> check_settings(const Request& request, const Lens& lens) {
         field, "",
         "`{}` is for files: images in memory hold planar depth in scene units or the depth_kind that is set, "
         "and take `window` or `view_from_normal`");
+  if (!request.gbuffer.focal_length_px.empty() && !request.gbuffer.window.empty())
+    return usage_error("`window` and `focal_length_px` exclude each other: give one");
   if (auto status = check_lens(lens); !status) return status;
   if (!(lens.right > lens.left && lens.top > lens.bottom))
     return usage_error(

@@ -275,5 +275,28 @@ class Mistakes(unittest.TestCase):
         self.refused("nix", d, nix=1)
 
 
+class CamerasAndMasks(unittest.TestCase):
+    def test_intrinsics_are_the_window_of_the_picture(self) -> None:
+        depth = plane_depth()
+        height, width = depth.shape
+        focal = 0.9 * height
+        top, right = height / 2 / focal, width / 2 / focal
+        expected = umbrage.shade(depth, window=(-right, right, -top, top)).picture
+        for camera in (
+            {"intrinsics": [[focal, 0, width / 2], [0, focal, height / 2], [0, 0, 1]]},
+            {"intrinsics": np.array([[[focal / width, 0, 0.5], [0, focal / height, 0.5], [0, 0, 1]]])},
+            {"focal_length_px": focal},
+        ):
+            np.testing.assert_allclose(umbrage.shade(depth, **camera).picture, expected, atol=1)
+
+    def test_mask_gives_the_background(self) -> None:
+        depth = plane_depth()
+        mask = np.ones(depth.shape, bool)
+        mask[: depth.shape[0] // 2] = False
+        result = umbrage.shade(depth, mask=mask, passes=("depth",))["depth"]
+        self.assertTrue(np.isinf(result[~mask]).all())
+        np.testing.assert_array_equal(result[mask], depth[mask])
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -93,6 +93,17 @@ def image_array(values: Any, name: str, shape: Optional[Tuple[int, int]] = None)
     return array if _is_usable(array) else np.array(array, dtype=array.dtype.newbyteorder("="), order="C")
 
 
+def masked(depth: NDArray[Any], mask: Any) -> NDArray[Any]:
+    """Returns a depth of image_array that is infinite, no surface, where the mask is 0. Errors: UsageError."""
+    import numpy as np
+
+    keep = as_array(mask, "mask")
+    if keep.shape not in (depth.shape[:2], depth.shape[:2] + (1,)):
+        raise UsageError(f"`mask` has the shape {keep.shape}: the depth has {depth.shape[:2]}")
+    one = np.iinfo(depth.dtype).max if depth.dtype.kind == "u" else 1
+    return np.where(keep.reshape(depth.shape) != 0, depth.astype(np.float32) / np.float32(one), np.float32(np.inf))
+
+
 def texture_array(values: Any, name: str) -> NDArray[Any]:
     """Converts a texture, an array or an image of Pillow, to (height, width, 3 or 4) uint8. Errors: UsageError."""
     import numpy as np

@@ -7,7 +7,7 @@ from ctypes import byref
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from . import _native as native
-from ._arrays import image_array, image_of, share_memory, type_number
+from ._arrays import as_array, image_array, image_of, masked, share_memory, type_number
 from ._errors import UsageError
 from ._job import Job, checked_dtype, requested_outputs
 from ._lists import KEYWORDS, check_keywords, keywords_of
@@ -65,6 +65,15 @@ def _inputs(
     return files, arrays
 
 
+def _focal_lengths(intrinsics: Any) -> Tuple[float, ...]:
+    """Returns fx, fy, cx, cy of a matrix of intrinsics. Errors: UsageError."""
+    matrix = as_array(intrinsics, "intrinsics", "a 3 x 3 matrix")
+    if matrix.shape[-2:] not in ((3, 3), (4, 4)) or matrix.size not in (9, 16):
+        raise UsageError(f"`intrinsics` has the shape {matrix.shape}: it takes a 3 x 3 matrix")
+    matrix = matrix.reshape(matrix.shape[-2:])
+    return tuple(float(matrix[at]) for at in ((0, 0), (1, 1), (0, 2), (1, 2)))
+
+
 class Shader(Job):
     """Shades any number of G-buffers on one device. Memory is reused.
 
@@ -86,6 +95,7 @@ class Shader(Job):
         *,
         fov: Optional[float] = None,
         window: Optional[Sequence[float]] = None,
+        intrinsics: Any = None,
         orthographic: bool = False,
         depth_kind: str = "auto",
         near: Optional[float] = None,
@@ -112,6 +122,11 @@ class Shader(Job):
         super().__init__(device, threads, None)
         if fov is not None and window is not None:
             raise UsageError("`fov` and `window` exclude each other: give one of them")
+        focal = _focal_lengths(intrinsics) if intrinsics is not None else parameters.pop("focal_length_px", None)
+        if "focal_length_px" in parameters:
+            raise UsageError("`intrinsics` and `focal_length_px` exclude each other: give one of them")
+        if focal is not None and (fov is not None or window is not None):
+            raise UsageError("a focal length excludes `fov` and `window`: give one of them")
         if native.is_true(orthographic, "orthographic") and window is None:
             raise UsageError("an orthographic camera takes `window`: left, right, bottom and top, in scene units")
         self._fov = None if fov is None else native.number(fov, "fov")
@@ -133,6 +148,7 @@ class Shader(Job):
             far_plane=far,
             orthographic=orthographic,
             window=window,
+            focal_length_px=focal,
             **parameters,
         )
 
@@ -147,6 +163,7 @@ class Shader(Job):
         beauty: Any = None,
         position: Any = None,
         object_id: Any = None,
+        mask: Any = None,
         images: Optional[Mapping[str, Any]] = None,
         out: Any = None,
         progress: Progress = None,
@@ -158,7 +175,9 @@ class Shader(Job):
         files, inputs = _inputs(source, given, images)
         with self._exclusive():
             progress = self._progress if progress is None else progress
-            return self._shade_files(files, out, progress) if files else self._shade_arrays(inputs, out, progress)
+            if files and mask is not None:
+                raise UsageError("`mask` is an array: give arrays for all; a file has its own, as the array 'mask' of an NPZ")
+            return self._shade_files(files, out, progress) if files else self._shade_arrays(inputs, mask, out, progress)
 
     @property
     def _has_color(self) -> bool:
@@ -181,17 +200,19 @@ class Shader(Job):
             for name in (*files, "fov_deg"):
                 self._set(name, None)
 
-    def _shade_arrays(self, inputs: Mapping[str, Any], out: Any, progress: Progress) -> Picture:
+    def _shade_arrays(self, inputs: Mapping[str, Any], mask: Any, out: Any, progress: Progress) -> Picture:
         lib, job = native.lib, self._job
         first = image_array(inputs["depth"], "depth")
         height, width = first.shape[:2]
         arrays = {name: image_array(values, name, (height, width)) for name, values in inputs.items()}
+        if mask is not None:
+            arrays["depth"] = masked(arrays["depth"], mask)
         wanted = requested_outputs((width, height), self._dtype, self._passes, out, self._has_color)
         for output, memory in wanted.items():
             for name, array in arrays.items():
                 if memory is not None and memory.size and share_memory(memory, array):
                     raise UsageError(f"the output `{output}` and the input `{name}` share memory that is still read")
-        if self._window is None and height > 0:
+        if self._window is None and self._values.get("focal_length_px") is None and height > 0:
             top = math.tan(math.radians(40.0 if self._fov is None else self._fov) / 2)
             right = top * width / height
             self._set("window", (-right, right, -top, top))
@@ -248,9 +269,11 @@ def shade(
     beauty: Any = None,
     position: Any = None,
     object_id: Any = None,
+    mask: Any = None,
     images: Optional[Mapping[str, Any]] = None,
     fov: Optional[float] = None,
     window: Optional[Sequence[float]] = None,
+    intrinsics: Any = None,
     orthographic: bool = False,
     depth_kind: str = "auto",
     near: Optional[float] = None,
@@ -285,11 +308,13 @@ def shade(
     normal: (H, W, 3), view space, +x right, +y up, +z towards the camera; default: computed from depth. The parameter
     `view_from_normal`, a 3 x 3 rotation, converts normals of another space.
     albedo: (H, W, 3), linear, 0 to 1, or one colour. Alpha, a fourth channel, is not read.
-    object_id: (H, W) of integers. images: other planes by name, such as "emission", "direct" or "layer1.depth".
+    object_id: (H, W) of integers. mask: (H, W), 0 where there is no surface. images: other planes by name, such as "emission", "direct" or "layer1.depth".
     Arrays: NumPy, torch (CPU), or any object with the buffer protocol, `__array_interface__` or DLPack; float32,
     float16, uint8 or uint16, whose 255 and 65535 mean 1. Arrays of these types are not copied, whatever their strides
     are.
     fov: vertical field of view, degrees; default: 40; of files: as the file says, else fitted, else 55.
+    intrinsics: used instead of `fov`: the 3 x 3 matrix of a pinhole camera, in pixels, or in widths and heights of the
+    picture; or `focal_length_px`, one number or (fx, fy, cx, cy).
     window: used instead of `fov`: (left, right, bottom, top) at distance 1, or in scene units for `orthographic`.
     look: a name of umbrage.looks(); default: "studio", and "comp" for files with a beauty. effects: effects that run,
     in this order, instead of the look.
@@ -300,6 +325,7 @@ def shade(
     with Shader(
         fov=fov,
         window=window,
+        intrinsics=intrinsics,
         orthographic=orthographic,
         depth_kind=depth_kind,
         near=near,
@@ -323,6 +349,7 @@ def shade(
             beauty=beauty,
             position=position,
             object_id=object_id,
+            mask=mask,
             images=images,
             out=out,
         )
