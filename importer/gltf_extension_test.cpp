@@ -296,6 +296,16 @@ TEST_F(GltfTest, WarnsOfTexturesThatDoNotRepeat) {
   EXPECT_TRUE(read(b).warnings.empty());
 }
 
+TEST_F(GltfTest, ReadsSamplersOfSharpTexels) {
+  write("a.tga", tga({{10, 20, 30, 255}}));
+  GltfBuilder b = with_transform();
+  b.json["textures"][0]["sampler"] = 0;
+  for (const int filter : {9728, 9729}) {
+    b.json["samplers"] = {{{"magFilter", filter}}};
+    EXPECT_EQ(read(b).textures.at(0).nearest, filter == 9728);
+  }
+}
+
 TEST_F(GltfTest, UsesTheFallbackOfATexture) {
   write("a.tga", tga({{10, 20, 30, 255}}));
   GltfBuilder b = with_texture_extension("KHR_texture_basisu", "a.ktx2");

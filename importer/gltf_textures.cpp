@@ -125,7 +125,11 @@ std::string GltfTextures::name_of(const Json& use, const JsonPlace& place) {
     return name;
   }
   const std::string uri = text_of(member(json, "uri"));
-  return uri.empty() || uri.starts_with("data:") ? kImage + std::to_string(image) : uri;
+  const std::string name = uri.empty() || uri.starts_with("data:") ? kImage + std::to_string(image) : uri;
+  constexpr std::int64_t kNearest = 9728;
+  if (const Json& filter = member(sampler, "magFilter"); !filter.is_null() && integer_of(filter) == kNearest)
+    cache.nearest.insert(name);
+  return name;
 }
 
 Result<Texture> GltfTextures::embedded(const std::string& name) {

@@ -97,6 +97,7 @@ Result<Texture> TextureCache::read(const std::string& name) const {
 
 std::optional<Texture> TextureCache::read_or_warn(const std::string& name, const char* consequence) {
   Result<Texture> texture = read(name);
+  if (texture) texture->nearest = nearest.contains(name);
   if (texture) return std::move(*texture);
   if (reported.insert(name).second) scene.warnings.push_back(texture.error().message + "; " + consequence);
   return std::nullopt;
@@ -148,6 +149,7 @@ int TextureCache::find_packed(const std::array<MapChannel, 3>& channels) {
     if (each.name.empty() || images.contains(each.name)) continue;
     const auto& image = images[each.name] = read_or_warn(each.name, "it is left out");
     if (!image) continue;
+    result.nearest = result.nearest || image->nearest;
     result.name += (result.name.empty() ? "" : " and ") + image->name;
     result.width = std::max(result.width, image->width);
     result.height = std::max(result.height, image->height);

@@ -47,6 +47,7 @@ struct TextureCache {
   std::map<std::string, int> index_of = {};     // by the name in the file; kNoTexture if reading failed
   std::set<std::string> reported = {};          // files with a warning
   std::map<std::string, ImageEdit> edits = {};  // names that stand for an image with changed texels
+  std::set<std::string> nearest = {};           // names of textures whose texels have sharp edges
   /// Reads a texture that is not in a file of its own; nothing if it is. May be empty.
   std::function<std::optional<Result<Texture>>(const std::string& name)> read_embedded = {};
 

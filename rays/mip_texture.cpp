@@ -73,6 +73,10 @@ inline Bilinear bilinear_at(const MipLevel& level, glm::vec2 fraction) {
   neighbours(std::min(iy, level.height - 1), level.height, b.y0, b.y1);
   b.fx = x - float(ix);
   b.fy = y - float(iy);
+  if (level.nearest) {
+    b.fx = b.fx < 0.5f ? 0.0f : 1.0f;
+    b.fy = b.fy < 0.5f ? 0.0f : 1.0f;
+  }
   return b;
 }
 
@@ -147,7 +151,7 @@ MipLevel half_of(const MipLevel& level, bool linear) {
 
 MipTexture make_mips(const Texture& texture) {
   MipTexture mips{.levels = {}, .linear = texture.linear};
-  mips.levels.push_back({texture.width, texture.height, texture.rgba});
+  mips.levels.push_back({texture.width, texture.height, texture.rgba, texture.nearest});
   while (mips.levels.back().width > 1 || mips.levels.back().height > 1)
     mips.levels.push_back(half_of(mips.levels.back(), texture.linear));
   return mips;

@@ -13,6 +13,7 @@ namespace umbrage {
 struct MipLevel {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;  ///< as in Texture
+  bool nearest = false;            ///< the first level of a Texture that is
 };
 
 /// A texture with all its levels.

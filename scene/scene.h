@@ -20,6 +20,7 @@ struct Texture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;  ///< width * height * 4
   bool linear = false;             ///< the colour channels hold linear values
+  bool nearest = false;            ///< texels have sharp edges where they are larger than a pixel
 };
 
 inline constexpr int kNoTexture = -1;

@@ -107,6 +107,22 @@ TEST(CaptureMaterials, TextureCoordinatesWithoutAreaKeepTheNormal) {
         << device->name();
 }
 
+TEST(CaptureMaterials, NearestTexelsHaveSharpEdges) {
+  Scene scene = scene_of({square(1.0f)}, {{.metallic = 1.0f, .roughness = 1.0f}});
+  scene.textures = {{.name = "two", .width = 2, .height = 1, .rgba = {0, 51, 0, 255, 0, 204, 0, 255}, .linear = true}};
+  scene.materials[0].surface_texture = 0;
+  for (const bool nearest : {false, true})
+    for (Device* device : capturing_devices()) {
+      scene.textures[0].nearest = nearest;
+      const Image image = captured(*device, scene, facing_square(), kSettings);
+      for (int x = 0; x < 16; ++x) {
+        const float sharp = x < 8 ? 0.2f : 0.8f, found = image.plane("roughness").at(x, 8);
+        const bool is_sharp = std::abs(found - sharp) < 1e-3f;
+        EXPECT_EQ(is_sharp, nearest) << device->name() << ' ' << x << ": " << found;
+      }
+    }
+}
+
 TEST(CaptureMaterials, DevicesAgreeOnACurvedSurface) {
   UMBRAGE_NEEDS_VULKAN(capturing_devices().size() > 1);
   Mesh ball = shapes::sphere(0.9f, 24, 12);

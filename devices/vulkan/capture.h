@@ -105,6 +105,7 @@ struct CaptureTexture {
 
 struct CaptureLevel {
   int first_texel, width, height;
+  int nearest;  // 1: texels have sharp edges
 };
 
 #endif

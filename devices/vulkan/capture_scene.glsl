@@ -58,6 +58,7 @@ vec4 bilinear(CaptureLevel level, bool linear, vec2 coordinate) {
   float fx, fy;
   neighbours(coordinate.x, level.width, x0, x1, fx);
   neighbours(coordinate.y, level.height, y0, y1, fy);
+  if (level.nearest != 0) fx = step(0.5f, fx), fy = step(0.5f, fy);
   return mix(mix(texel(level, linear, x0, y0), texel(level, linear, x1, y0), fx),
              mix(texel(level, linear, x0, y1), texel(level, linear, x1, y1), fx), fy);
 }

@@ -21,8 +21,8 @@ namespace {
 // These functions list every field of every struct. The structured bindings do not compile if a field is missing.
 template <class Archive>
 void list_fields(Archive& archive, Texture& texture) {
-  auto& [name, width, height, rgba, linear] = texture;
-  archive(name, width, height, rgba, linear);
+  auto& [name, width, height, rgba, linear, nearest] = texture;
+  archive(name, width, height, rgba, linear, nearest);
 }
 template <class Archive>
 void list_fields(Archive& archive, Material& material) {
