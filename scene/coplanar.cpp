@@ -271,6 +271,18 @@ void move_points(Mesh& mesh, const std::vector<Index>& point_of, std::vector<Mov
     if (const auto found = offset_of.find(point_of[v]); found != offset_of.end()) mesh.positions[v] += found->second;
 }
 
+/// Adds the vertices of a face of a mesh, moved, as a triangle of another mesh.
+void add_moved_face(const Mesh& from, Index face, const glm::vec3& offset, Mesh& to) {
+  for (Index corner = 3 * face; corner < 3 * face + 3; ++corner) {
+    const Index v = from.indices[corner];
+    to.indices.push_back(Index(to.positions.size()));
+    to.positions.push_back(from.positions[v] + offset);
+    to.normals.push_back(from.normals[v]);
+    if (!from.uvs.empty()) to.uvs.push_back(from.uvs[v]);
+    if (!from.colors.empty()) to.colors.push_back(from.colors[v]);
+  }
+}
+
 /// Returns each raised face once, with its max level, sorted by mesh. A face is in the cells of both shifts.
 std::vector<RaisedFace> unique_faces(std::vector<RaisedFace> raised) {
   std::sort(raised.begin(), raised.end(), [](const RaisedFace& a, const RaisedFace& b) {
@@ -305,16 +317,23 @@ std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
   const float step = float(kStep) * scene.radius();
   const SceneBox bounds{scene.bounds_min, scene.bounds_max};
   const float max_move = 3.0f * float(kMaxLevel) * step;  // along three normals; strays are farther outside
+  std::vector<Mesh> backs;
   for (std::size_t first = 0, last = 0; first < raised.size(); first = last) {
     if (poll && poll->passing(0.0)) return 0;
     Mesh& mesh = scene.meshes[raised[first].triangle.mesh];
     const std::vector<Index> point_of = joined_vertices(mesh).point_of;
     std::vector<Move> moves;
+    Mesh& back = backs.emplace_back();
+    back.material = mesh.material;
+    back.object = mesh.object;
+    const bool is_blended = scene.materials[std::size_t(mesh.material)].blended;  // would be seen twice
     for (; last < raised.size() && raised[last].triangle.mesh == raised[first].triangle.mesh; ++last) {
       const Index* corner = &mesh.indices[3 * raised[last].triangle.face];
       glm::vec3 normal = facing_normal(mesh, raised[last].triangle.face);
       if (glm::dot(normal, raised[last].side) < 0.0f) normal = -normal;
       for (int k = 0; k < 3; ++k) moves.push_back({point_of[corner[k]], normal, raised[last].level});
+      if (!is_blended)
+        add_moved_face(mesh, raised[last].triangle.face, -step * float(raised[last].level) * normal, back);
     }
     move_points(mesh, point_of, moves, step);
     for (const glm::vec3& p : mesh.positions) {
@@ -323,6 +342,8 @@ std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
       scene.bounds_max = glm::max(scene.bounds_max, p);
     }
   }
+  for (Mesh& back : backs)
+    if (!back.indices.empty()) scene.meshes.push_back(std::move(back));
   return raised.size();
 }
 
