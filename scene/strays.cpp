@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -14,9 +15,12 @@ namespace umbrage {
 namespace {
 
 constexpr std::size_t kManyPoints = 100;
-constexpr double kFraction = 0.01;       // of points that may be noise, at each end of an axis
+constexpr double kFraction = 0.01;       // of vertices that may be bad numbers, at each end of an axis
+constexpr double kNoiseFraction = 0.1;   // of points that may be noise, at each end of an axis
+constexpr std::size_t kMinOfNoise = 8;   // at most one point in eight is noise
+constexpr float kCell = 4.0f;            // cells in which points of noise are alone, in spacings of a surface's points
 constexpr float kFar = 3.0f;             // where noise is noticed, in sizes of the box of most points
-constexpr float kNear = 0.5f;            // where it begins then
+constexpr float kNear = 1.0f;            // where it begins then
 constexpr float kGap = 5.0f;             // empty space around the rest, in its sizes
 constexpr float kNeedle = 30.0f;         // where a vertex is a bad number, in sizes of the box of most vertices
 constexpr std::size_t kMinOfStrays = 3;  // at most one item in three is a stray
@@ -98,18 +102,36 @@ float size_of_core(const std::vector<glm::vec3>& sample) {
   return size;
 }
 
+/// Returns whether most of some points are alone in a cell of a grid of this size, as noise is and a part is not.
+bool are_scattered(const std::vector<glm::vec3>& points, float cell) {
+  std::vector<std::uint64_t> cells;
+  for (const glm::vec3& p : points) {
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      key = (key ^ std::uint64_t(std::int64_t(std::floor(double(p[axis]) / double(cell))))) * 0x9e3779b97f4a7c15ull;
+    cells.push_back(key);
+  }
+  std::sort(cells.begin(), cells.end());
+  const auto count = std::unique(cells.begin(), cells.end()) - cells.begin();
+  return 2 * std::size_t(count) > points.size();
+}
+
 /// Returns the box of the points without noise; empty if there is none.
 SceneBox box_without_noise(const Scene& scene, const SceneBox& all) {
-  if (scene.point_count() < kManyPoints) return {};
-  const SceneBox most = box_of_most(sample_of(scene, true), kFraction);
+  const std::size_t count = scene.point_count();
+  if (count < kManyPoints) return {};
+  const SceneBox most = box_of_most(sample_of(scene, true), kNoiseFraction);
   const float size = size_of(most);
   if (!(size > 0.0f) || contains(grown(most, kFar * size), all)) return {};
-  const SceneBox far = grown(most, kFar * size);
-  std::size_t outside = 0;
+  const SceneBox near = grown(most, kNear * size);
+  std::vector<glm::vec3> outside;
   for (const Mesh& mesh : scene.meshes)
     if (mesh.points)
-      for (const glm::vec3& p : mesh.positions) outside += !contains(far, p);
-  return outside > 0 ? grown(most, kNear * size) : SceneBox{};
+      for (const glm::vec3& p : mesh.positions)
+        if (!contains(near, p)) outside.push_back(p);
+  const bool is_noise = !outside.empty() && outside.size() * kMinOfNoise <= count &&
+                        are_scattered(outside, kCell * size / std::sqrt(float(count)));
+  return is_noise ? near : SceneBox{};
 }
 
 /// A part of an axis that is covered by triangles and points without a gap.

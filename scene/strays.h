@@ -16,12 +16,12 @@ struct Strays {
   bool any() const { return triangles > 0 || points > 0; }
 };
 
-/// Finds strays in a scene whose vertices are in the box `all`. Strays among 100 or more points are those, if any, that
-/// are outside of the box of 98 % of the points along each axis by three times its size; then all that are outside by
-/// half its size belong to them. Strays among triangles, points of small sets, and the rest of a point set as a whole
-/// are up to a third of them, separated from the rest along an axis by an empty space of five times the size of the
-/// rest. A triangle with one corner that is 30 times as far away as nearly all vertices is a stray, too. Fast if there
-/// are none.
+/// Finds strays in a scene whose vertices are in the box `all`. If some of 100 or more points are outside of the box of
+/// 80 % of them along each axis by three times its size, all that are outside by its size are strays, as those of a
+/// sparse reconstruction; unless they are more than one in eight, or close together, as those of a part. Strays among
+/// triangles, points of small sets, and the rest of a point set as a whole are up to a third of them, separated from
+/// the rest along an axis by an empty space of five times the size of the rest. A triangle with one corner that is 30
+/// times as far away as nearly all vertices is a stray, too. Fast if there are none.
 Strays find_strays(const Scene& scene, const SceneBox& all);
 
 /// Returns whether a point with this radius, moved by at most the radius, belongs to the rest.

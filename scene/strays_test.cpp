@@ -74,6 +74,27 @@ TEST(Strays, OfPointsAreOutsideOfThePicture) {
   EXPECT_GT(height_in_picture(finished(noise)), 0.35f);
 }
 
+TEST(Strays, OfASparseReconstructionAreOutsideOfThePicture) {
+  const Scene plain = finished(ball_of_points(3000));
+  for (const int percent : {4, 7, 10}) {
+    Mesh mesh = ball_of_points(3000);
+    std::mt19937 random(3);
+    std::normal_distribution<float> normal;
+    std::uniform_real_distribution<float> uniform;
+    for (int i = 0; i < 30 * percent; ++i)
+      mesh.positions.push_back(std::pow(60.0f, uniform(random)) * 1.2f *
+                               glm::normalize(glm::vec3(normal(random), normal(random), normal(random))));
+    const Scene scene = finished(mesh);
+    EXPECT_GT(height_in_picture(scene), 0.3f) << percent;
+    EXPECT_LT(scene.radius(), 3.0f * plain.radius()) << percent;
+    ASSERT_EQ(scene.warnings.size(), 1u) << percent;
+  }
+  Mesh flower = ball_of_points(3000);  // a stem of points as close to each other as those of the ball
+  for (int i = 0; i < 270; ++i)
+    flower.positions.emplace_back(0.04f * std::cos(float(i)), -1.0f - 0.04f * float(i), 0.04f * std::sin(float(i)));
+  EXPECT_LT(finished(flower).bounds_min.y, -11.0f);
+}
+
 TEST(Strays, OfTrianglesAreOutsideOfThePicture) {
   Mesh mesh;
   add_box(glm::vec3(-1), glm::vec3(1), mesh);
