@@ -31,6 +31,7 @@
 
 #include "importer/import_materials.h"
 #include "importer/readers.h"
+#include "scene/readers/content.h"
 #include "scene/readers/import_parts.h"
 #include "scene/readers/model_readers.h"
 #include "scene/readers/vertex_colors.h"
@@ -300,7 +301,8 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
     if (auto error = check_dae(file)) return std::move(*error);
   }
   std::string changed;  // text for Assimp in place of the file
-  if (is_gzip_file(file)) {
+  const bool is_renamed = import_format(file) != format;
+  if (is_gzip_file(file) || is_renamed) {
     auto text = read_whole_file(file);
     if (!text) return text.error();
     changed = std::move(*text);
@@ -310,7 +312,8 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   auto owner = std::make_unique<Assimp::Importer>();
   // Freeing the importer's faces one by one takes a tenth of the import time.
   Assimp::Importer& importer = process_ends ? *owner.release() : *owner;
-  const std::string name = without_gz(file).string();          // Assimp selects the reader by the extension
+  // Assimp selects the reader by the extension.
+  const std::string name = without_gz(file).string() + (is_renamed ? "." + format : "");
   importer.SetIOHandler(new Files(name, std::move(changed)));  // takes ownership
   // In formats other than glTF, points are what remains of invalid faces.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | (is_gltf ? 0 : aiPrimitiveType_POINT));
@@ -365,7 +368,7 @@ Result<Scene> import_ply(const fs::path& file) {
 }  // namespace
 
 Result<Scene> import_in_process(const fs::path& file, const ImportSettings& settings, bool process_ends) {
-  const std::string format = import_format(file);
+  const std::string format = format_of_file(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
   try {
     if (is_gzip_file(file)) {

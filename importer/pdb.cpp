@@ -10,44 +10,81 @@
 
 #include "scene/readers/molecule.h"
 #include "scene/readers/read_number.h"
+#include "scene/readers/text_rules.h"
 #include "scene/readers/whole_file.h"
 
 namespace umbrage {
 namespace {
 
-/// Atoms whose position is not three numbers, which Gemmi reads as 0.
+// Columns of a line, from 0: x, y and z of 8 characters each; from kOld on, programs of before 1996 have an identifier
+// and the number of the line, others segment, element and charge.
+constexpr std::size_t kPosition = 30, kWidth = 8, kOld = 72, kElement = 76, kCharge = 78, kEnd = 80;
+
+/// Atoms whose position is not three numbers in their columns, which Gemmi reads as 0 or as another number.
 struct BadAtoms {
   std::size_t count = 0, all = 0, first_line = 0;
+  std::size_t shifted = 0, first_shifted_line = 0;  ///< with three numbers that end before their columns do
+  std::size_t comma_line = 0;                       ///< first line with decimal commas; 0: none
 };
 
-/// Removes the lines of such atoms.
-BadAtoms remove_bad_atoms(std::string& text) {
-  constexpr std::size_t kPosition = 30, kWidth = 8;  // columns of x; y and z follow
+std::string_view columns_of(std::string_view line, std::size_t first, std::size_t end) {
+  return line.substr(std::min(first, line.size()), end - first);
+}
+
+enum class Position { kGood, kShifted, kBad };
+
+/// Looks at the three numbers of a position: each has a point and ends with its columns.
+Position check_position(std::string_view line) {
+  Position result = columns_of(line, kPosition - 1, kPosition) == " " ? Position::kGood : Position::kBad;
+  for (std::size_t first = kPosition; first < kPosition + 3 * kWidth; first += kWidth) {
+    std::string_view field = columns_of(line, first, first + kWidth);
+    const bool ends_early = field.size() < kWidth || field.back() == ' ';
+    field.remove_prefix(std::min(field.find_first_not_of(' '), field.size()));
+    field = field.substr(0, field.find_last_not_of(" \r\n") + 1);
+    if (!number_of(field) || field.find('.') == std::string_view::npos) return Position::kBad;
+    if (ends_early && result == Position::kGood) result = Position::kShifted;
+  }
+  return result;
+}
+
+/// Returns whether columns 73 to 80 are not a segment, an element of letters and a charge such as "2+".
+bool is_old(std::string_view line) {
+  const std::string_view element = columns_of(line, kElement, kCharge), charge = columns_of(line, kCharge, kEnd);
+  const auto is_none_of = [](char c, std::string_view set) { return set.find(c) == std::string_view::npos; };
+  return std::any_of(element.begin(), element.end(), [](char c) { return c >= '0' && c <= '9'; }) ||
+         (charge.size() == 2 && charge != "  " && is_none_of(charge[0], "+-") && is_none_of(charge[1], "+-\r\n"));
+}
+
+/// Removes the lines of bad atoms, and columns 73 to 80 of old lines.
+BadAtoms clean_atoms(std::string& text) {
   BadAtoms bad;
   std::string kept;
   kept.reserve(text.size());
   std::size_t number = 0;
   for (std::size_t at = 0, next = 0; at < text.size(); at = next) {
     next = std::min(text.find('\n', at), text.size() - 1) + 1;
-    const std::string_view line = std::string_view(text).substr(at, next - at);
+    std::string_view line = std::string_view(text).substr(at, next - at);
     ++number;
-    bool is_good = true;
-    if (line.starts_with("ATOM  ") || line.starts_with("HETATM")) {
-      ++bad.all;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        std::string_view field = line.substr(std::min(kPosition + axis * kWidth, line.size()), kWidth);
-        field.remove_prefix(std::min(field.find_first_not_of(' '), field.size()));
-        const char* stop = field.data();
-        double value = 0.0;
-        is_good = is_good && read_number(stop, field.data() + field.size(), value) &&
-                  std::string_view(stop, std::size_t(field.data() + field.size() - stop)).find_first_not_of(" \r\n") ==
-                      std::string_view::npos;
-      }
-      if (!is_good && bad.count++ == 0) bad.first_line = number;
+    if (!line.starts_with("ATOM  ") && !line.starts_with("HETATM")) {
+      kept.append(line);
+      continue;
     }
-    if (is_good) kept.append(line);
+    ++bad.all;
+    const Position position = check_position(line);
+    if (position == Position::kBad) {
+      if (bad.count++ == 0) bad.first_line = number;
+      if (bad.comma_line == 0 && has_decimal_commas(columns_of(line, kPosition, line.size()))) bad.comma_line = number;
+      continue;
+    }
+    if (position == Position::kShifted && bad.shifted++ == 0) bad.first_shifted_line = number;
+    if (!is_old(line)) {
+      kept.append(line);
+      continue;
+    }
+    kept.append(line.substr(0, kOld));
+    kept.push_back('\n');
   }
-  if (bad.count > 0) text = std::move(kept);
+  text = std::move(kept);
   return bad;
 }
 
@@ -58,7 +95,8 @@ Result<Scene> read_pdb(const std::filesystem::path& file) {
   if (!text) return text.error();
   text->erase(0, text->size() - without_mark(*text).size());  // columns count
   if (text->find('\n') == std::string::npos) std::replace(text->begin(), text->end(), '\r', '\n');
-  const BadAtoms bad = remove_bad_atoms(*text);
+  const BadAtoms bad = clean_atoms(*text);
+  if (bad.comma_line > 0) return decimal_commas_error(file.string(), bad.comma_line);
   const gemmi::Structure structure = gemmi::read_pdb_from_memory(text->data(), text->size(), file.string());
   std::vector<Atom> atoms;
   if (!structure.models.empty())
@@ -66,12 +104,21 @@ Result<Scene> read_pdb(const std::filesystem::path& file) {
       for (const gemmi::Residue& residue : chain.first_conformer())
         for (const gemmi::Atom& atom : residue.first_conformer())
           atoms.push_back({{atom.pos.x, atom.pos.y, atom.pos.z}, atom.element.name()});
+  if (atoms.empty() && bad.count > 0)
+    return file_error("'{}' has no atom with a position of three numbers in columns 31 to 54, first in line {}",
+                      file.string(), bad.first_line);
   if (atoms.empty()) return file_error("'{}' has no atoms", file.string());
   Scene scene = scene_of_atoms(atoms, file);
   if (bad.count > 0)
     scene.warnings.push_back(
-        fmt::format("{} of {} atoms have no position of three numbers and are left out, first in line {}", bad.count,
-                    bad.all, bad.first_line));
+        fmt::format("{} of {} atoms have no position of three numbers in columns 31 to 54 and are left out, first in "
+                    "line {}",
+                    bad.count, bad.all, bad.first_line));
+  if (bad.shifted > 0)
+    scene.warnings.push_back(
+        fmt::format("{} of {} atoms seem to be shifted, since their numbers do not end in columns 38, 46 and 54, first "
+                    "in line {}; their elements may be wrong",
+                    bad.shifted, bad.all, bad.first_shifted_line));
   if (structure.models.size() > 1)
     scene.warnings.push_back(fmt::format("the file has {} models; the first is drawn", structure.models.size()));
   return scene;

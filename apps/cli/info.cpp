@@ -11,6 +11,7 @@
 #include "apps/cli/info_image.h"
 #include "apps/cli/options.h"
 #include "apps/cli/standard_input.h"
+#include "scene/readers/content.h"
 
 namespace umbrage::cli {
 namespace {
@@ -44,7 +45,7 @@ std::string units_of(const std::string& format) {
 
 std::string format_of_model(const std::string& model) {
   if (model.starts_with("scene:")) return "built-in";
-  std::string format = import_format(model);
+  std::string format = format_of_file(model);
   for (char& c : format) c = char(std::toupper(static_cast<unsigned char>(c)));
   return format;
 }

@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cctype>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <random>
@@ -15,8 +13,8 @@
 
 #include "core/lists.h"
 #include "core/suggest.h"
+#include "scene/readers/content.h"
 #include "scene/readers/gzip.h"
-#include "scene/readers/molecule.h"
 
 namespace umbrage::cli {
 namespace {
@@ -26,31 +24,6 @@ namespace fs = std::filesystem;
 // Paths of the folder and file that remove_standard_input_copy removes; empty: none.
 constexpr std::size_t kMaxPathLength = 4096;
 char copy_folder[kMaxPathLength], copy_file[kMaxPathLength];
-
-/// Returns the words of the first lines of a text, at least kMinWords if it has them. Comment lines are skipped.
-std::vector<std::string_view> first_words(std::string_view text) {
-  std::vector<std::string_view> words;
-  constexpr int kMinWords = 8;
-  while (!text.empty() && words.size() < kMinWords) {
-    const std::string_view line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(line.size() + 1, text.size()));
-    if (line.starts_with('#') || line.starts_with("//")) continue;
-    for (std::size_t at = 0; at < line.size();) {
-      const std::size_t start = line.find_first_not_of(" \t\r,;", at);
-      if (start == std::string_view::npos) break;
-      at = std::min(line.find_first_of(" \t\r,;", start), line.size());
-      words.push_back(line.substr(start, at - start));
-    }
-  }
-  return words;
-}
-
-bool is_number(std::string_view word) {
-  const std::string text(word);
-  char* end = nullptr;
-  std::strtod(text.c_str(), &end);
-  return end != text.c_str() && *end == '\0';
-}
 
 /// Replaces the name of the temporary file in a message by "standard input".
 Error name_standard_input(Error error) {
@@ -108,9 +81,10 @@ Result<fs::path> store_copy(const std::string& bytes, const std::string& extensi
 Result<fs::path> copy_standard_input(const std::string& format) {
   const auto bytes = read_standard_input("a model");
   if (!bytes) return bytes.error();
-  constexpr std::size_t kInflatedBytes = std::size_t(1) << 16;
-  const std::string start = is_gzip(*bytes) ? inflated_start(*bytes, kInflatedBytes) : std::string();
-  const std::string extension = format.empty() ? format_of_content(start.empty() ? *bytes : start) : format;
+  const std::string start = is_gzip(*bytes) ? inflated_start(*bytes, kContentBytes) : std::string();
+  const bool is_whole = start.empty() || start.size() < kContentBytes;
+  const std::string_view content = start.empty() ? *bytes : start;
+  const std::string extension = format.empty() ? format_of_content(content, is_whole ? content.size() : 0) : format;
   if (extension.empty()) return file_error("standard input has an unknown format; name it with --input-format");
   return store_copy(*bytes, extension);
 }
@@ -125,38 +99,6 @@ void remove_standard_input_copy() {
   if (copy_file[0]) ::unlink(copy_file);
   if (copy_folder[0]) ::rmdir(copy_folder);
   copy_file[0] = copy_folder[0] = '\0';
-}
-
-std::string format_of_content(std::string_view bytes) {
-  const auto starts = [&](std::string_view start) { return bytes.starts_with(start); };
-  if (starts("ply")) return "ply";
-  if (starts("glTF")) return "glb";
-  if (starts("Kaydara FBX Binary") || starts("; FBX")) return "fbx";
-  // A binary STL file has a header of 80 bytes, a 32-bit count and 50 bytes per triangle.
-  constexpr std::size_t kHeader = 84, kTriangle = 50;
-  if (bytes.size() >= kHeader) {
-    std::uint32_t count = 0;
-    std::memcpy(&count, bytes.data() + kHeader - sizeof count, sizeof count);
-    if (bytes.size() == kHeader + std::size_t(count) * kTriangle) return "stl";
-  }
-  if (starts("\x4d\x4d")) return "3ds";
-  if (starts("PK\3\4")) return "3mf";
-  constexpr std::size_t kDetectionBytes = 4096;
-  const std::string_view start = bytes.substr(0, kDetectionBytes);
-  if (start.find('\0') != std::string_view::npos) return "";
-  const std::vector<std::string_view> words = first_words(start);
-  if (words.empty()) return "";
-  if (words[0] == "solid" || words[0] == "SOLID") return "stl";
-  for (const char* record : {"HEADER", "TITLE", "REMARK", "CRYST1", "MODEL", "ATOM", "HETATM"})
-    if (words[0] == record) return "pdb";
-  if (words[0].ends_with("OFF")) return "off";
-  if (words[0].starts_with('{')) return "gltf";
-  if (words[0].starts_with("<?xml") || words[0].starts_with("<COLLADA")) return "dae";
-  for (const char* word : {"v", "vn", "vt", "o", "g", "mtllib", "usemtl", "s"})
-    if (words[0] == word) return "obj";
-  if (is_molecule(start)) return "xyz";
-  if (words.size() >= 3 && is_number(words[0]) && is_number(words[1]) && is_number(words[2])) return "xyz";
-  return "";
 }
 
 Result<void> check_standard_input(const std::vector<std::string>& models, const std::string& format) {

@@ -10,9 +10,6 @@
 
 namespace umbrage::cli {
 
-/// Returns the format of a model, detected from its content, as a file extension without the dot; empty if unknown.
-std::string format_of_content(std::string_view bytes);
-
 /// Checks the models and --input-format. Errors: kUsage for `-` given twice, an unknown format, or a format without
 /// `-`.
 Result<void> check_standard_input(const std::vector<std::string>& models, const std::string& format);

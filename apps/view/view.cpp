@@ -15,6 +15,7 @@
 #include "io/image_file.h"
 #include "renderer/models.h"
 #include "renderer/recipe.h"
+#include "scene/readers/content.h"
 #include "scene/readers/import_parts.h"
 
 namespace umbrage::view {
@@ -50,7 +51,7 @@ Result<void> check_file(const ViewedFile& file) {
   }
   std::error_code ignored;
   if (file.is_gbuffer && std::filesystem::is_regular_file(file.file, ignored)) return {};
-  const auto error = check_model_file(file.file, import_format(file.file));
+  const auto error = check_model_file(file.file, format_of_file(file.file));
   return error ? Result<void>(*error) : Result<void>();
 }
 

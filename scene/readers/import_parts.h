@@ -6,7 +6,8 @@
 
 namespace umbrage {
 
-/// Checks what can be checked before a file is parsed: existence, type, supported extension, size, permission.
+/// Checks what can be checked before a file is parsed: existence, type, size, permission, and that `format`, which
+/// format_of_file returns, is read.
 std::optional<Error> check_model_file(const std::filesystem::path& file, const std::string& format);
 
 /// Returns the error for a file that needs more memory than is available.

@@ -11,9 +11,10 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <initializer_list>
 #include <iterator>
+#include <limits>
 #include <new>
 #include <set>
 #include <string>
@@ -23,10 +24,12 @@
 #include "core/lists.h"
 #include "scene/coplanar.h"
 #include "scene/finish.h"
+#include "scene/readers/content.h"
 #include "scene/readers/import_in_child_process.h"
 #include "scene/readers/import_parts.h"
 #include "scene/readers/model_readers.h"
 #include "scene/readers/obj.h"
+#include "scene/readers/positions.h"
 #include "scene/readers/whole_file.h"
 
 namespace umbrage {
@@ -42,40 +45,6 @@ std::string printable(std::string text) {
       text[i] = text[i + 1] = ' ';
   }
   return text;
-}
-
-struct Unread {
-  std::initializer_list<std::string_view> formats;
-  const char *what, *how;
-};
-
-/// Returns what a format is and how to convert it, as "a CAD format that is not read; ..."; empty for formats that are
-/// not known. `format`: as import_format returns it.
-std::string conversion_advice(std::string_view format) {
-  // Assimp 5.2 reads some of these, but wrongly: it misplaces rotated instances of AMF and blackens objects without a
-  // colour, refuses textures of X3D and mixes up its colours of faces, and has no reader for VRML in Debian.
-  static const Unread kUnread[] = {
-      {{"step", "stp", "iges", "igs", "brep", "fcstd"},
-       "a CAD format",
-       "export .3mf, .stl or .obj, for example with FreeCAD"},
-      {{"ifc"}, "a format of buildings", "convert it to .glb, for example with IfcConvert"},
-      {{"usd", "usda", "usdc", "usdz", "abc"}, "a scene format", "convert it to .glb, for example with Blender"},
-      {{"blend"}, "Blender's own format", "export .glb from Blender"},
-      {{"amf"}, "a print format", "export .3mf or .stl"},
-      {{"x3d", "x3db", "x3dv", "wrl", "vrml"},
-       "a scene format",
-       "convert it to .glb or .obj, for example with Blender"},
-      {{"max", "ma", "mb", "c4d", "lwo", "lws", "skp", "3dm", "dwg", "dxf", "ztl", "x_t", "sldprt", "ipt", "jt"},
-       "the format of a program",
-       "export .glb, .obj or .stl from that program"},
-      {{"las", "laz", "e57", "pcd", "ptx"}, "a point cloud", "convert it to .ply, for example with CloudCompare"},
-      {{"cif", "mol", "mol2", "sdf", "gro"}, "a molecule", "convert it to .pdb or .xyz, for example with Open Babel"},
-      {{"csv"}, "a table", "points in text form are read from files that end in .xyz"},
-      {{"zip", "rar", "7z", "tar", "tgz", "bz2", "xz", "zst"}, "an archive", "unpack it"},
-  };
-  for (const Unread& each : kUnread)
-    if (contains(each.formats, format)) return std::string(each.what) + " that is not read; " + each.how;
-  return {};
 }
 
 namespace fs = std::filesystem;
@@ -109,6 +78,30 @@ std::optional<Result<Scene>> import_own(const fs::path& file, const std::string&
   if (ply_has_texture(file)) return std::nullopt;
   std::vector<std::string> textures;
   return read_ply(file, textures, poll);
+}
+
+/// Makes points at 0 0 0 of the file invalid, as depth cameras write pixels without a depth, if they are many and
+/// outside of the box of all others. Returns their number.
+std::size_t mark_zero_points(Scene& scene) {
+  constexpr std::size_t kMany = 10;
+  const glm::vec3 zero(-scene.origin);
+  std::size_t count = 0;
+  SceneBox others;
+  for (const Mesh& mesh : scene.meshes)
+    if (mesh.points)
+      for (const glm::vec3& p : mesh.positions) {
+        if (p == zero)
+          ++count;
+        else if (is_finite(p))
+          others = {glm::min(others.low, p), glm::max(others.high, p)};
+      }
+  const bool is_inside = glm::clamp(zero, others.low, others.high) == zero;
+  if (count < kMany || others.is_empty() || is_inside) return 0;
+  for (Mesh& mesh : scene.meshes)
+    if (mesh.points)
+      std::replace(mesh.positions.begin(), mesh.positions.end(), zero,
+                   glm::vec3(std::numeric_limits<float>::quiet_NaN()));
+  return count;
 }
 
 /// Makes all texts of a scene printable.
@@ -147,10 +140,9 @@ std::optional<Error> check_model_file(const fs::path& file, const std::string& f
   if (status.type() == fs::file_type::directory) {
     return file_error("'{}' is a folder, not a model file", file.string());
   }
-  const auto& formats = import_formats();
   if (const std::string advice = conversion_advice(format); !advice.empty())
     return file_error("'{}' is {}", file.string(), advice);
-  if (!contains(formats, format)) {
+  if (!contains(import_formats(), format)) {
     return file_error("'{}' is not a supported model file; it must end in one of {}, or one of these and .gz",
                       file.string(), list_of_formats());
   }
@@ -186,6 +178,9 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   }
   Scene& scene = *imported;
   scene.name = file.filename().string();
+  if (const std::string read_as = format_of_file(file), named = import_format(file); read_as != named)
+    scene.warnings.insert(scene.warnings.begin(),
+                          fmt::format("the file ends in .{}, but its content is .{}, which is read", named, read_as));
   make_printable(scene);
   if (const float length = glm::length(settings.up); length > 0.0f && std::isfinite(length)) {
     scene.up = settings.up / length;
@@ -200,6 +195,8 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   warn(damaged.not_finite, triangles, "triangles have coordinates that are not finite or above 1e15");
   if (settings.points.size.value > 0.0f)  // the user's size replaces that of the file
     for (Mesh& mesh : scene.meshes) mesh.radii.clear();
+  const std::size_t zeros = mark_zero_points(scene);
+  warn(zeros, points, "points are at exactly 0 0 0, outside of all others,");
   const std::size_t dropped =
       finish_scene(scene, settings.crease_angle_deg, settings.points, poll, BoundsOf::kAllButStrays);
   separate_coplanar_faces(scene, poll);
@@ -212,7 +209,7 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
                       triangles);
   }
   const std::size_t dropped_triangles = triangles - scene.triangle_count();
-  if (points > 0) warn(dropped - dropped_triangles, points, "points are not finite");
+  if (points > 0) warn(dropped - dropped_triangles - zeros, points, "points are not finite");
   constexpr std::size_t kWarnOneIn = 4;  // one in four; fewer are common in CAD and not visible
   const std::size_t degenerate = dropped_triangles - damaged.out_of_range - damaged.not_finite;
   if (degenerate * kWarnOneIn > triangles) warn(degenerate, triangles, "triangles are degenerate");
@@ -242,7 +239,7 @@ Result<void> check_animation_index(const ImportSettings& settings, const std::st
 }
 
 Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings, const ProgressMonitor& monitor) {
-  const std::string format = import_format(file);
+  const std::string format = format_of_file(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
   if (format != "gltf" && format != "glb") {  // a file of another format is one scene
     const std::string name = file.filename().string();

@@ -28,9 +28,10 @@ Result<Scene> read_ply(const std::filesystem::path& file, std::vector<std::strin
 bool ply_has_texture(const std::filesystem::path& file);
 
 /// Reads a file of one point per line, x y z, separated by blanks, commas or semicolons. Among the columns that follow,
-/// three integers from 0 to 255 are a colour, and three numbers that are a unit vector in every line are a normal;
-/// other columns, such as an intensity, are ignored. Ignores lines that begin with # or //, lines with the number of
-/// points, and a first line of column names, which may give x, y and z another place. Leaves out lines with fewer than
+/// three numbers from 0 to 1, or integers from 0 to 255 or to 65535, are a colour, and three numbers that are a unit
+/// vector in every line are a normal; other columns, such as an intensity, are ignored. Ignores lines that begin with #
+/// or //, and lines with the number of points. A line of column names before the first point gives position, colour and
+/// normal their places. Leaves out lines with fewer than
 /// three numbers, with a warning, if they are few. A file of atoms is a molecule: see read_molecule. The scene has one
 /// mesh, before finish_scene. Errors: kFile, naming the wrong line; kInterrupted.
 Result<Scene> read_xyz(const std::filesystem::path& file, Poll* poll = nullptr);

@@ -15,8 +15,10 @@
 #include <set>
 #include <string>
 
+#include "core/lowercase.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"
+#include "scene/readers/text_rules.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
 
@@ -156,9 +158,49 @@ std::optional<T> integer_of(std::string_view word) {
   return value;
 }
 
+/// The places of an atom's columns in a line.
+struct AtomColumns {
+  std::size_t symbol = 0, position = 1;
+};
+
+/// Returns the columns that the second line of an extended XYZ file names, as Properties=species:S:1:pos:R:3; nothing
+/// if they lack a symbol or a position. A line without them has the usual columns.
+std::optional<AtomColumns> columns_of(std::string_view comment) {
+  constexpr std::string_view kName = "properties=";
+  const std::size_t at = lowercase(comment).find(kName);
+  if (at == std::string_view::npos) return AtomColumns();
+  comment.remove_prefix(at + kName.size());
+  if (comment.starts_with('"')) comment.remove_prefix(1);
+  comment = comment.substr(0, comment.find_first_of("\" \t"));
+  const auto take_part = [&] {
+    const std::string_view part = comment.substr(0, comment.find(':'));
+    comment.remove_prefix(std::min(part.size() + 1, comment.size()));
+    return part;
+  };
+  std::optional<std::size_t> symbol, number, position;
+  for (std::size_t column = 0; !comment.empty();) {
+    const std::string_view name = take_part();
+    take_part();  // the type
+    const auto count = integer_of<std::uint32_t>(take_part());
+    if (!count) return std::nullopt;
+    if (name == "species" || name == "element" || name == "symbol") symbol = column;
+    if (name == "Z" || name == "numbers") number = column;
+    if ((name == "pos" || name == "positions") && *count == 3) position = column;
+    column += *count;
+  }
+  if (!symbol) symbol = number;
+  return symbol && position ? std::optional(AtomColumns{*symbol, *position}) : std::nullopt;
+}
+
 /// Returns the atom of a line: a word that begins with a letter, or an atomic number, and three numbers.
-std::optional<Atom> atom_of(std::string_view line) {
-  const std::string_view symbol = take_column(line);
+std::optional<Atom> atom_of(std::string_view line, const AtomColumns& columns = {}) {
+  std::string_view symbol;
+  std::array<std::string_view, 3> position;
+  for (std::size_t i = 0; i < std::max(columns.symbol + 1, columns.position + 3); ++i) {
+    const std::string_view word = take_column(line);
+    if (i == columns.symbol) symbol = word;
+    if (i >= columns.position && i < columns.position + 3) position[i - columns.position] = word;
+  }
   if (symbol.empty()) return std::nullopt;
   Atom atom{glm::dvec3(0.0), std::string(symbol)};
   if (!std::isalpha(static_cast<unsigned char>(symbol[0]))) {
@@ -167,7 +209,7 @@ std::optional<Atom> atom_of(std::string_view line) {
     if (atom.symbol.empty()) return std::nullopt;
   }
   for (int axis = 0; axis < 3; ++axis) {
-    const auto value = number_of(take_column(line));
+    const auto value = number_of(position[std::size_t(axis)]);
     if (!value || !std::isfinite(*value)) return std::nullopt;
     atom.position[axis] = *value;
   }
@@ -211,7 +253,8 @@ bool is_molecule(std::string_view text) {
   constexpr int kLines = 3;  // a count, a comment, the first atom
   bool has_head = false;     // a count alone in the first line, and a comment that does not begin with a number
   for (int line = 0; line < kLines && !text.empty(); ++line) {
-    std::string_view row = take_line(text);
+    const std::string_view whole = take_line(text);
+    std::string_view row = whole;
     const auto atom = atom_of(row);
     const std::string_view word = take_column(row);
     const bool is_symbol = !word.empty() && std::isalpha(static_cast<unsigned char>(word[0]));
@@ -219,6 +262,7 @@ bool is_molecule(std::string_view text) {
     if (atom && find_element(atom->symbol) && (is_symbol || (line == 2 && has_head))) return true;
     if (line == 0) has_head = integer_of<std::uint64_t>(word) && take_column(row).empty();
     if (line == 1) has_head = has_head && !number_of(word);
+    if (line == 1 && has_head && lowercase(whole).find("properties=") != std::string::npos) return true;
   }
   return false;
 }
@@ -228,13 +272,15 @@ Result<Scene> read_molecule(const fs::path& path, std::string_view text, Poll* p
   std::string_view rest = without_mark(text);
   std::vector<Atom> atoms;
   std::size_t line = 0, bad = 0, first_bad = 0;
+  std::optional<AtomColumns> columns = AtomColumns();
   std::string_view ahead = rest, first = take_line(ahead);
   const auto number = integer_of<std::uint64_t>(take_column(first));
   const bool has_count = number && take_column(first).empty();
   const std::uint64_t count = number.value_or(0);
   if (has_count) {
     rest = ahead;
-    take_line(rest);  // the comment, which may be empty
+    columns = columns_of(take_line(rest));
+    if (!columns) return file_error("'{}' has no species and pos among its Properties, in line 2", file);
     line = 2;
   }
   const auto is_complete = [&] { return has_count && atoms.size() + bad >= count; };
@@ -246,7 +292,8 @@ Result<Scene> read_molecule(const fs::path& path, std::string_view text, Poll* p
     std::string_view row = take_line(rest), words = row;
     const std::string_view word = take_column(words);
     if (word.empty() || word.starts_with('#')) continue;
-    if (auto atom = atom_of(row)) {
+    if (row.find(',') != std::string_view::npos && has_decimal_commas(row)) return decimal_commas_error(file, line);
+    if (auto atom = atom_of(row, *columns)) {
       atoms.push_back(std::move(*atom));
     } else {
       if (bad++ == 0) first_bad = line;
@@ -262,7 +309,9 @@ Result<Scene> read_molecule(const fs::path& path, std::string_view text, Poll* p
     scene.warnings.push_back(
         fmt::format("{} of {} lines lack an element or three numbers and are left out, first line {}", bad,
                     atoms.size() + bad, first_bad));
-  if (has_count && rest.find_first_not_of(" \t\r\n") != std::string_view::npos)
+  rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n"), rest.size()));
+  std::string_view next = take_line(rest);  // a frame begins with a count, other lines do not
+  if (has_count && integer_of<std::uint64_t>(take_column(next)) && take_column(next).empty())
     scene.warnings.push_back("the file has more than one frame; the first is drawn");
   return scene;
 }

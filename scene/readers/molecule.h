@@ -24,12 +24,13 @@ struct Atom {
 Scene scene_of_atoms(const std::vector<Atom>& atoms, const std::filesystem::path& file);
 
 /// Returns whether a text in XYZ form is a molecule: one of the first lines is an element and three numbers; atomic
-/// numbers stand for elements if a count and a comment precede them.
+/// numbers stand for elements if a count and a comment precede them; or the second line has "Properties=".
 bool is_molecule(std::string_view text);
 
 /// Reads the text of a molecule: the number of atoms, a comment, and a line for each atom, "C 0.0 0.0 0.0"; the first
-/// two lines may be missing. Of several frames the first is read, with a warning. A line without an element or three
-/// numbers is left out, with a warning, if these are few. Errors: kFile, naming the line; kInterrupted.
+/// two lines may be missing. "Properties=" in the comment gives the columns [extended XYZ]. Of several frames the first
+/// is read, with a warning. A line without an element or three numbers is left out, with a warning, if these are few.
+/// Errors: kFile, naming the line; kInterrupted.
 Result<Scene> read_molecule(const std::filesystem::path& file, std::string_view text, Poll* poll = nullptr);
 
 }  // namespace umbrage

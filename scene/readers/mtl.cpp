@@ -11,6 +11,7 @@
 #include "core/lowercase.h"
 #include "scene/readers/obj_text.h"
 #include "scene/readers/read_number.h"
+#include "scene/readers/text_rules.h"
 #include "scene/scene.h"
 
 namespace umbrage {
@@ -99,7 +100,7 @@ class LibraryParser {
     std::string_view rest = line;
     const std::string_view word = take_word(rest);
     const std::string key = lowercase(word);
-    if (key == "newmtl") return start_material(rest);
+    if (key == "newmtl") return start_material(without_comment(rest));
     if (!material_) return unknown_.add(line_, word);
     for (const NumberRow& row : kNumbers)
       if (key == row.word) return read_number_row(row, rest, line);

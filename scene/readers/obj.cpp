@@ -31,7 +31,7 @@ struct LibrarySearch {
 void add_libraries(std::string_view line, LibrarySearch& search, std::vector<std::string>& names) {
   constexpr std::size_t kMaxNames = 256;  // bounds the time for long lines
   line = trimmed(line);
-  while (!line.empty() && names.size() < kMaxNames) {
+  while (!line.empty() && line[0] != '#' && names.size() < kMaxNames) {
     if (const std::size_t close = line.find('"', 1); line[0] == '"' && close != std::string_view::npos) {
       names.emplace_back(line.substr(1, close - 1));
       line = trimmed(line.substr(close + 1));
@@ -59,6 +59,14 @@ void add_libraries(std::string_view line, LibrarySearch& search, std::vector<std
   }
 }
 
+/// Renames the maps of a library that is not beside the model, where they are found beside the library.
+void name_maps_from(const fs::path& library_file, const fs::path& folder, MtlLibrary& library) {
+  FileFinder finder(library_file.parent_path());
+  for (MtlMaterial& material : library.materials)
+    for (MtlMap& map : material.maps)
+      if (const auto found = finder.find(map.file)) map.file = found->lexically_proximate(folder).string();
+}
+
 std::vector<std::string> libraries_of(std::string_view text, LibrarySearch& search) {
   constexpr std::string_view kWord = "mtllib";
   std::vector<std::string> names;
@@ -83,8 +91,6 @@ bool ObjFile::has_maps() const {
 Result<ObjFile> open_obj(const fs::path& path, Poll* poll) {
   auto text = read_whole_file(path, poll);
   if (!text) return text.error();
-  if (text->starts_with("\xff\xfe") || text->starts_with("\xfe\xff"))
-    return file_error("'{}' is UTF-16 text; save it as UTF-8", path.string());
   ObjFile file{.path = path, .text = std::move(*text)};
   normalize_lines(file.text);
   LibrarySearch search{FileFinder(path.parent_path()), poll};
@@ -101,6 +107,7 @@ Result<ObjFile> open_obj(const fs::path& path, Poll* poll) {
     }
     normalize_lines(*content);
     MtlLibrary library = read_mtl(*content, found->filename().string());
+    if (found->parent_path() != path.parent_path()) name_maps_from(*found, path.parent_path(), library);
     file.libraries.push_back(*found);
     file.warnings.insert(file.warnings.end(), library.warnings.begin(), library.warnings.end());
     for (MtlMaterial& material : library.materials)  // the first library that defines a name applies

@@ -11,6 +11,7 @@
 
 #include "scene/readers/polygon.h"
 #include "scene/readers/positions.h"
+#include "scene/readers/text_rules.h"
 #include "scene/readers/vertex_colors.h"
 
 namespace umbrage {
@@ -48,10 +49,14 @@ Result<ObjScene> ObjMeshes::scene() {
     face_count_ += block.faces.size();
     vertex_lines += block.vertex_lines;
     bad_positions_.add(block.bad_positions);
+    commas_.add(block.commas);
+    last_positions_ = block.faces.empty() ? last_positions_ + block.positions.size()
+                                          : block.positions.size() - block.positions_of_faces;
     lines_.add(block.lines);
     points_.add(block.points);
     curves_.add(block.curves);
   }
+  if (commas_.count > 0) return decimal_commas_error(name, line_number(file_.text, commas_.first));
   if (face_count_ == 0 && vertex_lines == 0 && lines_.count == 0)
     return file_error("'{}' cannot be read as OBJ (it has no vertices and no faces)", name);
   if (face_count_ == 0 && lines_.count + curves_.count > 0)
@@ -342,6 +347,7 @@ void ObjMeshes::warn_of_elements() {
       warnings.push_back(fmt::format("the file has {}, which are not drawn; the first is in line {}", name,
                                      line_number(file_.text, what.first)));
   };
+  warn_of_missing_faces();
   warn_of(lines_, "lines");
   if (face_count_ > 0) warn_of(points_, "points beside faces");
   warn_of(curves_, "free-form curves or surfaces");
@@ -352,6 +358,22 @@ void ObjMeshes::warn_of_elements() {
       if (known.insert(word).second) others.emplace_back(word);
   if (!others.empty())
     warnings.push_back(fmt::format("the file has statements that are not known and are ignored: {}", list_of(others)));
+}
+
+/// Adds a warning if the text ends with vertices for which there are no faces, as that of a file that is cut short.
+void ObjMeshes::warn_of_missing_faces() {
+  if (last_positions_ == 0 || lines_.count + points_.count + curves_.count > 0) return;
+  const std::size_t first = positions_.size() - last_positions_;
+  const auto uses_last = [&](const ObjBlock& block) {
+    return std::any_of(block.corners.begin(), block.corners.end(),
+                       [&](const ObjCorner& corner) { return corner.x >= 0 && std::size_t(corner.x) >= first; });
+  };
+  if (face_count_ == 0)
+    result_.scene.warnings.push_back(
+        "the file has vertices and no faces, as if it were cut short; they are drawn as points");
+  else if (std::none_of(blocks_.begin(), blocks_.end(), uses_last))
+    result_.scene.warnings.push_back(fmt::format(
+        "the last {} vertices belong to no face: faces are missing, as if the file were cut short", last_positions_));
 }
 
 /// Adds warnings of materials that are missing or invisible. If all are invisible, they are drawn opaque.

@@ -56,6 +56,7 @@ class ObjMeshes {
   std::uint32_t vertex_of(const ObjCorner& corner);
   bool add_points();
   void warn_of_elements();
+  void warn_of_missing_faces();
   void warn_of_materials();
   std::string bad_line() const;
   std::size_t line_of(const ObjBlock& block, const ObjFace& face) const;
@@ -65,7 +66,8 @@ class ObjMeshes {
   Poll* poll_;
   ObjScene result_;
   std::size_t face_count_ = 0, bad_count_ = 0, first_bad_line_ = 0, lost_uvs_ = 0;
-  ObjLines bad_positions_, lines_, points_, curves_;  ///< of all blocks
+  ObjLines bad_positions_, commas_, lines_, points_, curves_;  ///< of all blocks
+  std::size_t last_positions_ = 0;                             ///< number of positions after the last face
   bool has_smoothing_ = false;
 
   std::vector<glm::vec3> positions_, normals_, colors_;  ///< of all blocks

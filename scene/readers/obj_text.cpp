@@ -9,6 +9,7 @@
 
 #include "core/lists.h"
 #include "scene/readers/read_number.h"
+#include "scene/readers/text_rules.h"
 
 namespace umbrage {
 namespace {
@@ -81,6 +82,8 @@ class BlockParser {
   /// Returns the position of the line in the file's text.
   std::size_t place() const { return start_ + std::size_t(line_ - block_.text.data()); }
 
+  static bool ends_word(char c) { return is_blank(c) || c == '\n' || c == '#'; }
+
   void skip_blanks() {
     while (is_blank(*at_)) ++at_;
   }
@@ -90,8 +93,11 @@ class BlockParser {
     int count = 0;
     for (; count < max; ++count) {
       skip_blanks();
+      const char* const word = at_;
       if (*at_ == '\n' || !read_number(at_, end_, values[count])) break;
-      if (!is_blank(*at_) && *at_ != '\n') break;  // a number that goes on is none
+      if (*at_ == ',' && has_decimal_commas({word, std::size_t(std::find_if(at_, end_, ends_word) - word)}))
+        block_.commas.add(place());
+      if (!ends_word(*at_)) break;  // a number that goes on is none
     }
     return count;
   }
@@ -141,6 +147,7 @@ class BlockParser {
       if (*at_ == '\n' || *at_ == '#') break;
       is_bad = !corner() || is_bad;
     }
+    block_.positions_of_faces = block_.positions.size();
     block_.faces.push_back({std::uint32_t(block_.corners.size()), std::uint32_t(line_ - block_.text.data()), is_bad});
   }
 
@@ -150,14 +157,14 @@ class BlockParser {
     bool is_sound = index(0, block_.positions.size(), corner) && corner[0] != kNoObjIndex;
     if (is_sound && *at_ == '/') {
       ++at_;
-      if (*at_ != '/' && !is_blank(*at_) && *at_ != '\n') is_sound = index(1, block_.uvs.size(), corner);
+      if (*at_ != '/' && !ends_word(*at_)) is_sound = index(1, block_.uvs.size(), corner);
       if (is_sound && *at_ == '/') {
         ++at_;
-        if (!is_blank(*at_) && *at_ != '\n') is_sound = index(2, block_.normals.size(), corner);
+        if (!ends_word(*at_)) is_sound = index(2, block_.normals.size(), corner);
       }
     }
-    is_sound = is_sound && (is_blank(*at_) || *at_ == '\n');
-    while (!is_blank(*at_) && *at_ != '\n') ++at_;
+    is_sound = is_sound && ends_word(*at_);
+    while (!ends_word(*at_)) ++at_;
     block_.corners.push_back(corner);
     return is_sound;
   }
@@ -181,7 +188,7 @@ class BlockParser {
     while (!is_blank(*word_end) && *word_end != '\n') ++word_end;
     const std::string_view word(at_, std::size_t(word_end - at_));
     const char* line_end = static_cast<const char*>(std::memchr(word_end, '\n', std::size_t(end_ - word_end)));
-    const std::string_view rest = trimmed({word_end, std::size_t(line_end - word_end)});
+    const std::string_view rest = without_comment(trimmed({word_end, std::size_t(line_end - word_end)}));
     const auto add = [&](ObjStatement::Kind kind) { block_.statements.push_back({kind, block_.faces.size(), rest}); };
     const auto is_one_of = [&](std::initializer_list<std::string_view> words) { return contains(words, word); };
     if (word == "usemtl") {

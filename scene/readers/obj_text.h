@@ -55,8 +55,10 @@ struct ObjBlock {
   std::vector<ObjFace> faces;
   std::vector<ObjStatement> statements;
   ObjLines bad_positions;               ///< vertices without three finite numbers
+  ObjLines commas;                      ///< numbers with decimal commas
   ObjLines lines, points, curves;       ///< elements that are not faces: l, p, and free-form curves and surfaces
   std::vector<std::string_view> other;  ///< first words of other lines, some of them
+  std::size_t positions_of_faces = 0;   ///< positions before the last face
   std::size_t vertex_lines = 0;         ///< lines that are a vertex, texture coordinates or a normal
 };
 

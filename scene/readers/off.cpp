@@ -13,6 +13,7 @@
 #include "scene/readers/polygon.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"
+#include "scene/readers/text_rules.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
 
@@ -27,6 +28,7 @@ constexpr std::string_view kBlank = " \t\r\n", kLineEnd = "\r\n";
 struct Words {
   std::string_view text;
   bool failed = false;
+  const char* comma = nullptr;  ///< the number at which it failed, if it has a decimal comma
 
   void skip() {
     while (true) {
@@ -38,15 +40,17 @@ struct Words {
 
   std::string_view word() {
     skip();
-    const std::string_view found = text.substr(0, text.find_first_of(kBlank));
+    const std::string_view found = text.substr(0, text.find_first_of(" \t\r\n#"));
     text.remove_prefix(found.size());
     return found;
   }
 
   double number() {
     if (failed) return 0.0;
-    const std::optional<double> value = number_of(word());
+    const std::string_view found = word();
+    const std::optional<double> value = number_of(found);
     failed = !value;
+    if (failed && has_decimal_commas(found)) comma = found.data();
     return value.value_or(0.0);
   }
 
@@ -66,6 +70,7 @@ struct Words {
       if (rest.failed) break;
       numbers.push_back(value);
     }
+    if (rest.comma) failed = true, comma = rest.comma;
     skip_line();
     return numbers;
   }
@@ -79,9 +84,10 @@ struct Columns {
 };
 
 /// Reads vertices until the first that is not valid. Returns false if interrupted.
-bool read_vertices(Words& words, const Columns& columns, std::size_t count, Mesh& mesh, Scene& scene, Poll* poll) {
+bool read_vertices(Words& words, Columns columns, std::size_t count, Mesh& mesh, Scene& scene, Poll* poll) {
   std::vector<glm::dvec3> positions;
   positions.reserve(count);
+  bool is_assumed = false;  // the numbers after the position may be something else than colours
   for (std::size_t i = 0; i < count && !words.failed; ++i) {
     if (stops(poll, i, count)) return false;
     const double x = words.number(), y = words.number(), z = words.number();
@@ -89,6 +95,12 @@ bool read_vertices(Words& words, const Columns& columns, std::size_t count, Mesh
     if (columns.normals) {
       const float nx = float(words.number()), ny = float(words.number()), nz = float(words.number());
       mesh.normals.emplace_back(nx, ny, nz);
+    }
+    // Some programs write colours without a C in the first word.
+    if (i == 0 && !columns.uvs && !columns.colors) {
+      const std::size_t more = Words(words).rest_of_line().size();
+      columns.colors = more == 3 || more == 4;
+      is_assumed = columns.colors;
     }
     if (!columns.uvs && !columns.colors) {
       words.skip_line();
@@ -102,8 +114,12 @@ bool read_vertices(Words& words, const Columns& columns, std::size_t count, Mesh
     if (columns.colors) mesh.colors.emplace_back(values[0], values[1], values[2]);
   }
   // Colours are 0 to 1, or 0 to 255 if any value is above 1.
-  float brightest = 0.0f;
-  for (const glm::vec3& c : mesh.colors) brightest = std::max({brightest, c.x, c.y, c.z});
+  float brightest = 0.0f, darkest = 0.0f;
+  for (const glm::vec3& c : mesh.colors) {
+    brightest = std::max({brightest, c.x, c.y, c.z});
+    darkest = std::min({darkest, c.x, c.y, c.z});
+  }
+  if (is_assumed && darkest < 0.0f) mesh.colors.clear();
   for (glm::vec3& c : mesh.colors) c = linear_color(brightest > 1.0f ? c / 255.0f : c);
   set_positions(positions, mesh, scene);
   return true;
@@ -155,7 +171,11 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
   const auto bytes = read_whole_file(path, poll);
   if (!bytes) return bytes.error();
   Words words{*bytes};
-  const std::string_view kind = without_mark(words.word());
+  std::string_view kind = without_mark(words.word());
+  if (const std::size_t end = kind.find("OFF") + 3; end != std::string_view::npos + 3 && end < kind.size()) {
+    words.text = {kind.data() + end, words.text.data() + words.text.size()};  // the counts follow without a blank
+    kind = kind.substr(0, end);
+  }
   if (!kind.ends_with("OFF") || kind.find_first_not_of("STCNOF") != std::string_view::npos) {
     return file_error("'{}' cannot be read as OFF (its first word is not OFF, COFF, NOFF or the like)", file);
   }
@@ -165,11 +185,20 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
   words.skip();
   if (words.text.starts_with("BINARY")) return file_error("'{}' is a binary OFF file; only text can be read", file);
 
-  const std::size_t vertex_count = words.count(), face_count = words.count();
-  words.count();  // number of edges, not used
+  // The counts of vertices and faces, and of edges, which is not used and may be missing: then the line ends.
+  const std::size_t vertex_count = words.count();
+  Words line{words.text.substr(0, words.text.find_first_of(kLineEnd))};
+  const std::size_t face_count = words.count();
+  if (line.word().empty())
+    words.count();
+  else
+    words.skip_line();
+  const auto cut_short = [&](const std::string& message) {
+    return words.comma ? decimal_commas_error(file, line_number_at(*bytes, words.comma)) : file_error("{}", message);
+  };
   // A vertex takes three numbers and a face at least one number, each followed by a blank.
   if (words.failed || vertex_count > words.text.size() / 6 + 1 || face_count > words.text.size() / 2 + 1) {
-    return file_error("'{}' is cut short, or its counts of vertices and faces are wrong", file);
+    return cut_short(fmt::format("'{}' is cut short, or its counts of vertices and faces are wrong", file));
   }
   Scene scene;
   scene.materials.emplace_back();
@@ -178,8 +207,8 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
   const Columns columns{.normals = has_normals, .uvs = has_uvs, .colors = has_colors};
   if (!read_vertices(words, columns, vertex_count, mesh, scene, poll)) return interrupted();
   if (words.failed) {
-    return file_error("'{}' is cut short, or has something other than a number, at vertex {} of {}", file,
-                      mesh.positions.size(), vertex_count);
+    return cut_short(fmt::format("'{}' is cut short, or has something other than a number, at vertex {} of {}", file,
+                                 mesh.positions.size(), vertex_count));
   }
   FaceColors colors;
   FaceMemory memory{{}, FaceSplitter(poll)};
@@ -189,8 +218,8 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
     read_face(words, memory, mesh, colors);
   }
   if (words.failed)
-    return file_error("'{}' is cut short, or has something other than an index, at face {} of {}", file, face,
-                      face_count);
+    return cut_short(fmt::format("'{}' is cut short, or has something other than an index, at face {} of {}", file,
+                                 face, face_count));
   if (colors.any && mesh.colors.empty()) set_face_attributes({.uvs = {}, .colors = colors.linear()}, mesh);
   if (colors.any_index) scene.warnings.push_back("colours of faces that are numbers of a colour map are not drawn");
   mesh.points = face_count == 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -32,7 +33,7 @@ using ply::Splat;
 /// Destination of a property: a component of position, normal, texture coordinate, colour or Gaussian.
 enum Slot { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kRed, kGreen, kBlue, kAlpha, kScalar, kTexture,
             kOpacity, kHarmonic0, kHarmonic1, kHarmonic2, kScale0, kScale1, kScale2, kRotation0, kRotation1, kRotation2,
-            kRotation3, kNowhere, kSlots };
+            kRotation3, kPacked, kNowhere, kSlots };
 
 Slot slot_of(std::string_view name) {
   struct Named {
@@ -44,6 +45,7 @@ Slot slot_of(std::string_view name) {
       {"u", kU}, {"v", kV}, {"s", kU}, {"t", kV}, {"texture_u", kU}, {"texture_v", kV},
       {"red", kRed}, {"green", kGreen}, {"blue", kBlue}, {"r", kRed}, {"g", kGreen}, {"b", kBlue},
       {"diffuse_red", kRed}, {"diffuse_green", kGreen}, {"diffuse_blue", kBlue}, {"alpha", kAlpha},
+      {"rgb", kPacked}, {"rgba", kPacked},
       {"intensity", kScalar}, {"quality", kScalar}, {"reflectance", kScalar}, {"texnumber", kTexture},
       {"opacity", kOpacity},
       {"f_dc_0", kHarmonic0}, {"f_dc_1", kHarmonic1}, {"f_dc_2", kHarmonic2},
@@ -80,11 +82,17 @@ struct Slots {
   std::vector<Slot> of;  ///< one per property
   std::array<bool, kSlots> has{};
   float color_scale = 1.0f, alpha_scale = 1.0f;
+  Number packed = Number::kUint32;  ///< type of kPacked
 
   explicit Slots(const Element& element) {
     for (const Property& property : element.properties) {
       of.push_back(property.list_size ? kNowhere : slot_of(property.name));
       if (of.back() == kScalar && has[kScalar]) of.back() = kNowhere;  // the first one counts
+      if (of.back() == kPacked) {
+        packed = property.number;
+        color_scale = 255.0f;
+        if (ply::kBytes[std::size_t(packed)] != 4) of.back() = kNowhere;
+      }
       has[of.back()] = true;
       if (of.back() == kRed) color_scale = full_scale(property.number);
       if (of.back() == kAlpha) alpha_scale = full_scale(property.number);
@@ -93,11 +101,22 @@ struct Slots {
   bool all(Slot first, Slot last) const {
     return std::all_of(&has[first], &has[last] + 1, [](bool b) { return b; });
   }
-  bool colors() const { return all(kRed, kBlue); }
-  bool splats() const { return all(kOpacity, kRotation3); }
+  bool colors() const { return all(kRed, kBlue) || has[kPacked]; }
+  /// Gaussians have three scales or, if they are flat, two.
+  bool splats() const { return all(kOpacity, kScale1) && all(kRotation0, kRotation3); }
 };
 
 using Values = std::array<double, kSlots>;
+
+/// Sets red, green and blue of a row that has them as bytes of one number, as PCL writes them: blue is the lowest, and
+/// the number may be a float with these bits.
+void unpack_color(const Slots& slots, Values& value) {
+  if (!slots.has[kPacked] || !std::isfinite(value[kPacked])) return;
+  const double whole = std::clamp(value[kPacked], -2147483648.0, 4294967295.0);  // as int32 or as uint32
+  const std::uint32_t bits = slots.packed == Number::kFloat32 ? std::bit_cast<std::uint32_t>(float(value[kPacked]))
+                                                              : std::uint32_t(std::int64_t(whole));
+  for (int c = 0; c < 3; ++c) value[std::size_t(kRed + c)] = double(bits >> (16 - 8 * c) & 255u);
+}
 
 glm::vec3 triple(const Values& values, Slot first) {
   return {float(values[first]), float(values[first + 1]), float(values[first + 2])};
@@ -152,6 +171,8 @@ void read_vertices(const Element& element, bool indexed, Body& body, Contents& o
       if (!indexed) continue;
       value[kX] = std::numeric_limits<double>::quiet_NaN();
     }
+    unpack_color(slots, value);
+    if (!slots.has[kScale2]) value[kScale2] = -std::numeric_limits<double>::infinity();
     positions.emplace_back(value[kX], value[kY], value[kZ]);
     if (has_normals) mesh.normals.push_back(triple(value, kNormalX));
     if (has_uvs) mesh.uvs.emplace_back(float(value[kU]), float(value[kV]));
@@ -238,6 +259,7 @@ void read_lists(const Element& element, Body& body, std::size_t texture_count, C
       out.textures.insert(out.textures.end(), triangles.size() / 3, known ? int(number) : kNoTexture);
       out.has_textures = out.has_textures || textured;
     }
+    unpack_color(slots, value);
     if (has_colors)
       out.faces.colors.insert(out.faces.colors.end(), triangles.size() / 3,
                               linear_color(triple(value, kRed) / slots.color_scale));
@@ -364,6 +386,7 @@ Result<Scene> read_ply(const fs::path& path, std::vector<std::string>& textures,
       read_lists(element, body, header->textures.size(), contents, poll);
     }
     if (poll && poll->ended()) return interrupted();
+    if (body.comma_line() > 0) return decimal_commas_error(file, body.comma_line());
     constexpr std::size_t kMaxBad = 4;  // one in four
     if (body.ended() || body.bad_rows() * kMaxBad > element.count) {
       return file_error("'{}' is cut short, or has something other than a number, in its list of '{}'{}", file,

@@ -75,19 +75,31 @@ bool read_property(const std::vector<std::string_view>& words, Header& header) {
   if (!number || (is_list && !property.list_size)) return false;
   property.number = *number;
   property.name = words.back();
+  // As a float, a packed colour may be no number, whose bits conversions do not keep.
+  if (header.storage != Storage::kText && (property.name == "rgb" || property.name == "rgba") &&
+      property.number == Number::kFloat32)
+    property.number = Number::kUint32;
   header.elements.back().properties.push_back(std::move(property));
   return true;
 }
 
 bool is_blank(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
 
-/// Counts the lines of a text that are not empty, and end in LF, CR LF or CR.
+bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+
+bool is_comment(const char* at, const char* end) {
+  if (*at != 'c' && *at != 'o' && *at != '#') return false;
+  const std::string_view rest(at, std::size_t(end - at));
+  return *at == '#' || rest.starts_with("comment") || rest.starts_with("obj_info");
+}
+
+/// Counts the lines of a text that are neither empty nor comments, and end in LF, CR LF or CR.
 std::size_t lines_of(const char* at, const char* end) {
   std::size_t count = 0;
   for (bool inside = false; at < end; ++at) {
-    const bool breaks = *at == '\n' || *at == '\r';
-    count += !breaks && !inside && *at != ' ' && *at != '\t';
-    inside = !breaks && (inside || (*at != ' ' && *at != '\t'));
+    const bool breaks = is_line_end(*at), begins = !breaks && !inside && *at != ' ' && *at != '\t';
+    count += begins && !is_comment(at, end);
+    inside = !breaks && (inside || begins);
   }
   return count;
 }
@@ -146,7 +158,7 @@ Result<Header> read_header(std::string_view& text, const std::string& file) {
 }
 
 Body::Body(std::string_view whole, std::string_view body, const Header& header)
-    : whole_(whole.data()),
+    : whole_(whole),
       at_(body.data()),
       end_(body.data() + body.size()),
       row_end_(end_),
@@ -161,9 +173,17 @@ Body::Body(std::string_view whole, std::string_view body, const Header& header)
 void Body::begin_row() {
   row_is_bad_ = false;
   if (storage_ != Storage::kText) return;
-  while (at_ < end_ && is_blank(*at_)) ++at_;
+  skip_blanks_and_comments();
   row_begin_ = at_;
-  row_end_ = row_per_line_ ? std::find_if(at_, end_, [](char c) { return c == '\n' || c == '\r'; }) : end_;
+  row_end_ = row_per_line_ ? std::find_if(at_, end_, is_line_end) : end_;
+}
+
+void Body::skip_blanks_and_comments() {
+  while (true) {
+    while (at_ < end_ && is_blank(*at_)) ++at_;
+    if (at_ == end_ || !is_comment(at_, end_)) return;
+    at_ = std::find_if(at_, end_, is_line_end);
+  }
 }
 
 bool Body::end_row() {
@@ -171,12 +191,6 @@ bool Body::end_row() {
   if (!row_is_bad_) return false;
   if (bad_rows_++ == 0) first_bad_ = row_begin_;
   return true;
-}
-
-std::size_t Body::first_bad_line() const {
-  if (!first_bad_) return 0;
-  const std::size_t lf = std::size_t(std::count(whole_, first_bad_, '\n'));
-  return 1 + (lf > 0 ? lf : std::size_t(std::count(whole_, first_bad_, '\r')));
 }
 
 double Body::text() {
@@ -190,8 +204,9 @@ double Body::text() {
   double value = 0.0;
   const char* stop = at_;
   const bool found = read_number(stop, row_end_, value);
-  if (!found || (stop < row_end_ && !is_blank(*stop))) {
+  if (!found || (stop < row_end_ && !is_blank(*stop) && *stop != '#')) {
     row_is_bad_ = true;
+    if (!comma_ && has_decimal_commas({at_, std::size_t(std::find_if(at_, row_end_, is_blank) - at_)})) comma_ = at_;
     if (!row_per_line_) ended_ = !found;
     if (row_per_line_) value = std::numeric_limits<double>::quiet_NaN();
     if (row_per_line_) stop = std::find_if(stop, row_end_, is_blank);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "scene/readers/text_rules.h"
 #include "scene/scene.h"
 
 namespace umbrage::ply {
@@ -46,7 +47,8 @@ Result<Header> read_header(std::string_view& text, const std::string& file);
 
 /// A reader of the numbers after a header. After the end it returns zeros, and `ended` is set. In a text file with one
 /// row of an element per line, as the format demands, a row that lacks a number, or has a word that is none, is marked
-/// as bad, and reading goes on in the next line; in other text files such a word is the end.
+/// as bad, and reading goes on in the next line; in other text files such a word is the end. Lines that begin with
+/// `comment`, `obj_info` or `#` are skipped.
 class Body {
  public:
   /// `whole`: all of the file, for the numbers of lines. `body`: what follows the header.
@@ -63,23 +65,26 @@ class Body {
   bool ended() const { return ended_; }
   std::size_t left() const { return std::size_t(end_ - at_); }
   std::size_t bad_rows() const { return bad_rows_; }
-  /// Returns the number of the line with the first bad row, from 1.
-  std::size_t first_bad_line() const;
+  /// Returns the number of the line with the first bad row, from 1; 0: none.
+  std::size_t first_bad_line() const { return first_bad_ ? line_number_at(whole_, first_bad_) : 0; }
+  /// Returns the number of the line with the first decimal comma, from 1; 0: none.
+  std::size_t comma_line() const { return comma_ ? line_number_at(whole_, comma_) : 0; }
   /// Forgets the bad rows so far.
   void forget_bad_rows() { bad_rows_ = 0; }
 
  private:
+  void skip_blanks_and_comments();
   double text();
   double binary(Number number);
   template <class T>
   double binary_as();
 
-  const char* whole_;
+  std::string_view whole_;
   const char* at_;
   const char* end_;
   const char* row_end_;
   const char* row_begin_;
-  const char* first_bad_ = nullptr;
+  const char *first_bad_ = nullptr, *comma_ = nullptr;
   Storage storage_;
   bool row_per_line_ = false, row_is_bad_ = false, ended_ = false;
   std::size_t bad_rows_ = 0;

@@ -1,18 +1,21 @@
 // Reader for points in text form. The header describes the columns.
-#include "core/lowercase.h"
 #include "scene/readers/model_readers.h"
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <initializer_list>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "core/lists.h"
+#include "core/lowercase.h"
 #include "scene/readers/molecule.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"
+#include "scene/readers/text_rules.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
 
@@ -26,26 +29,29 @@ constexpr std::size_t kMaxBad = 4;  // one line in four may be bad
 
 /// The numbers of a line, up to the first word that is not a number.
 struct Row {
-  glm::dvec3 position{0.0};
-  std::array<float, kMaxColumns> values{};
+  std::array<double, kMaxColumns> values{};
   std::size_t count = 0;
   bool all_numbers = true;
+  bool may_have_decimal_commas = false;  ///< commas and other marks separate its numbers
 };
+
+bool is_separator(char c) { return c == ' ' || c == '\t' || c == '\r' || c == ',' || c == ';'; }  // kColumnBlank
 
 Row row_of(std::string_view line) {
   Row row;
+  const char *at = line.data(), *const end = at + line.size();
+  bool has_comma = false, has_other = false;
   while (row.count < kMaxColumns) {
-    line.remove_prefix(std::min(line.find_first_not_of(kColumnBlank), line.size()));
-    if (line.empty()) break;
+    const char* const start = at;
+    while (at < end && is_separator(*at)) ++at;
+    if (at == end || *at == '#') break;
+    (at == start + 1 && *start == ',' ? has_comma : has_other) |= row.count > 0;
     double value = 0.0;
-    const char *stop = line.data(), *const end = stop + line.size();
-    row.all_numbers =
-        read_number(stop, end, value) && (stop == end || kColumnBlank.find(*stop) != std::string_view::npos);
+    row.all_numbers = read_number(at, end, value) && (at == end || *at == '#' || is_separator(*at));
     if (!row.all_numbers) break;
-    if (row.count < 3) row.position[int(row.count)] = value;
-    row.values[row.count++] = float(value);
-    line.remove_prefix(std::size_t(stop - line.data()));
+    row.values[row.count++] = value;
   }
+  row.may_have_decimal_commas = has_comma && has_other;
   return row;
 }
 
@@ -61,17 +67,58 @@ void for_each_line(std::string_view text, Visit visit) {
 }
 
 glm::vec3 triple(const Row& row, std::size_t first) {
-  return {row.values[first], row.values[first + 1], row.values[first + 2]};
+  return {float(row.values[first]), float(row.values[first + 1]), float(row.values[first + 2])};
 }
 
-bool is_color(const Row& row, std::size_t first) {
-  return std::all_of(&row.values[first], &row.values[first] + 3,
-                     [](float v) { return v >= 0.0f && v <= 255.0f && v == std::floor(v); });
+/// Returns what a colour of 1 is in three columns: 1, or 255 or 65535 if they are integers; 0 if they are no colours.
+float color_scale(const std::vector<Row>& rows, std::size_t first) {
+  double max = 0.0;
+  bool is_whole = true;
+  for (const Row& row : rows)
+    for (std::size_t k = first; k < first + 3; ++k) {
+      const double v = row.values[k];
+      if (!(v >= 0.0)) return 0.0f;
+      max = std::max(max, v);
+      is_whole = is_whole && v == std::floor(v);
+    }
+  if (max <= 1.0) return 1.0f;
+  return !is_whole || max > 65535.0 ? 0.0f : max > 255.0 ? 65535.0f : 255.0f;
 }
 
-bool is_normal(const Row& row, std::size_t first) {
+bool are_normals(const std::vector<Row>& rows, std::size_t first) {
   constexpr float kTolerance = 0.02f;  // tolerance for numbers with two digits
-  return std::abs(glm::length(triple(row, first)) - 1.0f) < kTolerance;
+  return std::all_of(rows.begin(), rows.end(),
+                     [&](const Row& row) { return std::abs(glm::length(triple(row, first)) - 1.0f) < kTolerance; });
+}
+
+constexpr std::size_t kNoColumn = kMaxColumns;
+
+/// The first of the three columns of colours and of normals; kNoColumn: there are none.
+struct PointColumns {
+  std::size_t color = kNoColumn, normal = kNoColumn;
+  float color_scale = 0.0f;
+};
+
+/// Finds the columns of colours and normals from `first` on by their values. Integers above 255 are colours only if no
+/// others are: they may be an intensity and two components.
+PointColumns columns_by_values(const std::vector<Row>& rows, std::size_t first, std::size_t columns) {
+  PointColumns out;
+  for (const float max_scale : {255.0f, 65535.0f})
+    for (std::size_t at = first; at + 3 <= columns; ++at) {
+      if (at == out.color || at == out.normal) {
+        at += 2;
+        continue;
+      }
+      const float scale = out.color == kNoColumn ? color_scale(rows, at) : 0.0f;
+      if (out.normal == kNoColumn && are_normals(rows, at))
+        out.normal = at;
+      else if (scale > 0.0f && scale <= max_scale)
+        out.color = at, out.color_scale = scale;
+      else
+        continue;
+      at += 2;
+    }
+  return out;
 }
 
 Scene scene_of(Mesh mesh, const std::vector<glm::dvec3>& positions, const fs::path& file) {
@@ -86,9 +133,15 @@ Scene scene_of(Mesh mesh, const std::vector<glm::dvec3>& positions, const fs::pa
   return scene;
 }
 
-/// Returns for each column of the file the column of a row that takes its number, so that x, y and z come first: from a
-/// line of column names. Empty if the line has no such names, or the columns are in this order.
-std::vector<std::size_t> order_of(std::string_view line) {
+/// What a line of column names says.
+struct NamedColumns {
+  std::vector<std::size_t> order;  ///< for each column of the file its place in a row; empty: no names
+  PointColumns columns;            ///< of ordered rows
+};
+
+/// Reads a line of column names: x, y and z come first in ordered rows, then colours and normals, then the rest. There
+/// are no names if it does not have x, y and z.
+NamedColumns columns_by_names(std::string_view line) {
   std::vector<std::string> names;
   constexpr std::string_view kMarks = " \t\r,;#/\"";
   while (true) {
@@ -98,35 +151,32 @@ std::vector<std::size_t> order_of(std::string_view line) {
     line.remove_prefix(word.size());
     names.push_back(lowercase(word));
   }
-  std::vector<std::size_t> first;
-  for (const char* axis : {"x", "y", "z"}) {
-    const auto found = std::find(names.begin(), names.end(), axis);
-    if (found == names.end()) return {};
-    first.push_back(std::size_t(found - names.begin()));
-  }
-  if (first == std::vector<std::size_t>{0, 1, 2} || names.size() > kMaxColumns) return {};
-  std::vector<std::size_t> order(names.size());
-  std::size_t next = 3;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto at = std::find(first.begin(), first.end(), i);
-    order[i] = at != first.end() ? std::size_t(at - first.begin()) : next++;
-  }
-  return order;
+  NamedColumns out;
+  if (names.size() > kMaxColumns) return out;
+  std::vector<std::size_t> order(names.size(), kNoColumn);
+  std::size_t next = 0;
+  const auto place = [&](std::initializer_list<const char*> triple) {
+    std::vector<std::size_t> found;
+    for (const char* name : triple)
+      found.push_back(std::size_t(std::find(names.begin(), names.end(), name) - names.begin()));
+    if (contains(found, names.size())) return kNoColumn;
+    for (const std::size_t column : found) order[column] = next++;
+    return next - 3;
+  };
+  if (place({"x", "y", "z"}) == kNoColumn) return out;
+  out.columns.color = std::min(place({"r", "g", "b"}), place({"red", "green", "blue"}));
+  out.columns.normal = std::min(place({"nx", "ny", "nz"}), place({"normal_x", "normal_y", "normal_z"}));
+  for (std::size_t& column : order)
+    if (column == kNoColumn) column = next++;
+  out.order = std::move(order);
+  return out;
 }
 
-Row ordered(const Row& row, const std::vector<std::size_t>& order, std::string_view line) {
-  if (order.empty() || row.count != order.size()) return row;
-  // The positions again, as doubles of other columns.
+/// Puts the numbers of a row in their order, if it has as many as there are names, or a word in place of the next one.
+Row ordered(const Row& row, const std::vector<std::size_t>& order) {
+  if (row.count > order.size() || (row.count < order.size() && row.all_numbers)) return row;
   Row out = row;
-  std::size_t column = 0;
-  for (const std::size_t to : order) {
-    line.remove_prefix(std::min(line.find_first_not_of(kColumnBlank), line.size()));
-    const std::string_view word = line.substr(0, line.find_first_of(kColumnBlank));
-    line.remove_prefix(word.size());
-    const Row single = row_of(word);
-    out.values[to] = row.values[column++];
-    if (to < 3) out.position[int(to)] = single.position.x;
-  }
+  for (std::size_t i = 0; i < row.count; ++i) out.values[order[i]] = row.values[i];
   return out;
 }
 
@@ -135,32 +185,17 @@ struct Rows {
   std::vector<Row> rows;
   std::size_t bad = 0, first_bad = 0;  ///< lines with fewer than three numbers, and the first of them
   std::size_t decimal_commas = 0;      ///< first line with numbers such as 0,5; 0: none
-  double counted = 0.0;                ///< number of points by the lines that count them
+  NamedColumns named;
+  double counted = 0.0;  ///< number of points by the lines that count them
 };
-
-/// Returns whether blanks separate the numbers of a line and commas are decimal points, as in "0,5 1,0 2,5".
-bool has_decimal_commas(std::string_view line) {
-  if (line.find(',') == std::string_view::npos || line.find('.') != std::string_view::npos) return false;
-  const auto is_digit = [&](std::size_t i) {
-    return i < line.size() && std::isdigit(static_cast<unsigned char>(line[i]));
-  };
-  bool within = false, between = false;
-  for (std::size_t i = 1; i + 1 < line.size(); ++i) {
-    if (!is_digit(i - 1)) continue;
-    within = within || (line[i] == ',' && is_digit(i + 1));
-    between = between || ((line[i] == ' ' || line[i] == '\t') && (is_digit(i + 1) || line[i + 1] == '-'));
-  }
-  return within && between;
-}
 
 Rows read_rows(std::string_view text, Poll* poll) {
   Rows out;
-  std::vector<std::size_t> order;
   for_each_line(text, [&](std::string_view line, std::size_t number) {
     constexpr std::size_t kLinesPerPoll = 4096;  // lines between calls of the poll
     if (poll && number % kLinesPerPoll == 0 && poll->passing(double(line.data() - text.data()) / double(text.size())))
       return false;
-    if (out.rows.empty() && order.empty()) order = order_of(line);
+    if (out.rows.empty() && out.named.order.empty()) out.named = columns_by_names(line);
     line.remove_prefix(std::min(line.find_first_not_of(kColumnBlank), line.size()));
     if (line.empty() || line.starts_with('#') || line.starts_with("//")) return true;
     const Row row = row_of(line);
@@ -169,13 +204,12 @@ Rows read_rows(std::string_view text, Poll* poll) {
       out.counted += double(row.values[0]);
       return true;
     }
-    constexpr std::size_t kTestedLines = 16;
-    if (out.rows.size() < kTestedLines && has_decimal_commas(line)) {
+    if (row.may_have_decimal_commas && has_decimal_commas(line)) {
       out.decimal_commas = number;
       return false;
     }
     if (row.count >= 3) {
-      out.rows.push_back(ordered(row, order, line));
+      out.rows.push_back(ordered(row, out.named.order));
     } else if (out.bad++ == 0) {
       out.first_bad = number;
     }
@@ -211,8 +245,7 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
   std::vector<Row>& rows = read.rows;
   const std::size_t bad = read.bad, first_bad = read.first_bad;
   if (poll && poll->ended()) return interrupted();
-  if (read.decimal_commas > 0)
-    return file_error("'{}' has decimal commas, as in line {}; write decimal points", file, read.decimal_commas);
+  if (read.decimal_commas > 0) return decimal_commas_error(file, read.decimal_commas);
   if (bad > 0 && bad * kMaxBad > rows.size() + bad)
     return file_error("'{}' has fewer than three numbers in line {}", file, first_bad);
   std::vector<std::string> warnings;
@@ -221,28 +254,28 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
                                    rows.size() + bad, first_bad));
   if (read.counted > double(rows.size() + bad))
     warnings.push_back(fmt::format("the file counts {} points, but has {}", read.counted, rows.size() + bad));
-  const std::size_t before = rows.size(), columns = common_columns(rows);
+  const std::size_t before = rows.size(), count = common_columns(rows);
   if (rows.size() < before)
     warnings.push_back(
         fmt::format("{} of {} lines have fewer columns than others and are left out", before - rows.size(), before));
-  Mesh mesh;
-  // An intensity may come between position and colour.
-  for (std::size_t first = 3; first + 3 <= columns; ++first) {
-    const auto all_rows = [&](auto test) {
-      return std::all_of(rows.begin(), rows.end(), [&](const Row& row) { return test(row, first); });
-    };
-    if (mesh.normals.empty() && all_rows(is_normal)) {
-      for (const Row& row : rows) mesh.normals.push_back(triple(row, first));
-    } else if (mesh.colors.empty() && all_rows(is_color)) {
-      for (const Row& row : rows) mesh.colors.push_back(linear_color(triple(row, first) / 255.0f));
-    } else {
-      continue;
-    }
-    first += 2;
+  PointColumns columns = read.named.columns;
+  const auto is_there = [&](std::size_t first) { return first + 3 <= count; };
+  if (read.named.order.size() < count) {
+    // In .pts files an intensity comes between position and colour.
+    constexpr std::size_t kFirst = 3, kWithIntensity = 7;
+    const bool has_intensity = count == kWithIntensity && lowercase(without_gz(path).extension().string()) == ".pts";
+    columns = columns_by_values(rows, kFirst + has_intensity, count);
+  } else if (is_there(columns.color)) {
+    columns.color_scale = color_scale(rows, columns.color);
   }
+  Mesh mesh;
+  if (is_there(columns.normal))
+    for (const Row& row : rows) mesh.normals.push_back(triple(row, columns.normal));
+  if (columns.color_scale > 0.0f)
+    for (const Row& row : rows) mesh.colors.push_back(linear_color(triple(row, columns.color) / columns.color_scale));
   std::vector<glm::dvec3> positions;
   positions.reserve(rows.size());
-  for (const Row& row : rows) positions.push_back(row.position);
+  for (const Row& row : rows) positions.emplace_back(row.values[0], row.values[1], row.values[2]);
   Scene scene = scene_of(std::move(mesh), positions, path);
   scene.warnings = std::move(warnings);
   return scene;

@@ -11,7 +11,8 @@ namespace umbrage {
 /// read_number without the shortcut for short numbers.
 bool read_any_number(const char*& at, const char* end, double& value);
 
-/// Reads the longest number at this place, such as 1, +1, .5, 1. or 1e3, also inf and nan, and moves `at` past it.
+/// Reads the longest number at this place, such as 1, +1, .5, 1. or 1e3, also inf and nan, and moves `at` past it. An
+/// exponent may begin with d, as Fortran writes it, or with *^, as Mathematica does.
 /// Returns false if there is none. Numbers that exceed the range become infinite or 0. Does not depend on the locale.
 inline bool read_number(const char*& at, const char* end, double& value) {
   static constexpr double kPowers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
@@ -35,7 +36,10 @@ inline bool read_number(const char*& at, const char* end, double& value) {
     ++here;
     count += point = read_digits();
   }
-  const bool goes_on = here < end && ((*here >= '0' && *here <= '9') || *here == 'e' || *here == 'E');
+  const auto goes_on_at = [](char c) {
+    return (c >= '0' && c <= '9') || c == 'e' || c == 'E' || c == 'd' || c == 'D' || c == '*';
+  };
+  const bool goes_on = here < end && goes_on_at(*here);
   if (count == 0 || count > kMaxExactDigits || goes_on) return read_any_number(at, end, value);
   const double exact = double(digits) / kPowers[point];
   value = is_negative ? -exact : exact;

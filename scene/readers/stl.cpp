@@ -14,6 +14,7 @@
 
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"
+#include "scene/readers/text_rules.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
 
@@ -38,15 +39,11 @@ bool same_word(std::string_view word, std::string_view lower_case) {
                     [](char a, char b) { return lowercase(a) == b; });
 }
 
-/// Returns whether the file is a text: it begins with "solid", as the header of a binary file may, too, and words of a
-/// text file follow.
+/// Returns whether the file is a text: its first bytes have words of a text file, and no zeros, as the count and the
+/// attributes of a binary file, whose header may begin with "solid", too, would.
 bool is_text(std::string_view bytes) {
-  constexpr std::string_view kBlank = " \t\r\n";
-  bytes = without_mark(bytes);
-  bytes.remove_prefix(std::min(bytes.find_first_not_of(kBlank), bytes.size()));
-  if (bytes.size() < 5 || !same_word(bytes.substr(0, 5), "solid")) return false;
-  // Characters of a text as the count of a binary file would make it larger than this file is.
-  const std::string head = lowercase(bytes.substr(0, 4096));
+  constexpr std::size_t kTested = std::size_t(1) << 16;
+  const std::string head = lowercase(bytes.substr(0, kTested));
   return head.find('\0') == std::string::npos &&
          (head.find("facet") != std::string::npos || head.find("endsolid") != std::string::npos);
 }
@@ -151,8 +148,13 @@ struct Words {
   const char* end;
 
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+  /// Returns the next word; "#", ";" or "//" begins a comment that extends to the end of the line.
   std::string_view next() {
-    while (at < end && is_blank(*at)) ++at;
+    while (true) {
+      while (at < end && is_blank(*at)) ++at;
+      if (at == end || (*at != '#' && *at != ';' && (*at != '/' || at + 1 == end || at[1] != '/'))) break;
+      while (at < end && *at != '\n' && *at != '\r') ++at;
+    }
     const char* const begin = at;
     while (at < end && !is_blank(*at)) ++at;
     return {begin, std::size_t(at - begin)};
@@ -196,7 +198,7 @@ struct Facets {
   std::vector<Solid> solids{{"", 0}};
   std::size_t corners = 0;  ///< of the facet that is being read
   std::size_t bad = 0;
-  const char* first_bad = nullptr;
+  const char *first_bad = nullptr, *comma = nullptr;  ///< comma: end of the first number with a decimal comma
   bool in_facet = false;
 
   void mark_bad(const char* at) {
@@ -226,7 +228,9 @@ bool read_facets(Words words, Facets& facets, Poll* poll) {
       for (int axis = 0; axis < 3 && valid; ++axis) {
         const char* const before = words.at;
         valid = words.number(p[axis]);
-        if (!valid) words.at = before;
+        if (valid) continue;
+        if (!facets.comma && has_decimal_commas({before, std::size_t(words.at - before)})) facets.comma = words.at;
+        words.at = before;
       }
       if (facets.in_facet && valid) {
         facets.positions.push_back(p);
@@ -252,28 +256,24 @@ bool read_facets(Words words, Facets& facets, Poll* poll) {
   return true;
 }
 
-std::size_t line_of(std::string_view text, const char* at) {
-  const auto count = [&](char c) { return std::size_t(std::count(text.data(), at, c)); };
-  return 1 + (count('\n') > 0 ? count('\n') : count('\r'));
-}
-
 Result<Scene> read_text(std::string_view text, const fs::path& path, Poll* poll) {
   const std::string file = path.string();
   Facets facets;
   const std::string_view facets_text = without_mark(text);
   if (!read_facets({facets_text.data(), facets_text.data() + facets_text.size()}, facets, poll)) return interrupted();
+  if (facets.comma) return decimal_commas_error(file, line_number_at(text, facets.comma));
   if (facets.in_facet)
     return file_error("'{}' is cut short: its last facet, after {} others, does not end", file,
                       (facets.positions.size() - facets.corners) / 3);
   const std::size_t count = facets.positions.size() / 3;
   if (facets.bad > 0 && facets.bad * 3 > count)  // one in four of all
     return file_error("'{}' has a facet that is not three vertices of three numbers, before line {}", file,
-                      line_of(text, facets.first_bad));
+                      line_number_at(text, facets.first_bad));
   Scene scene;
   if (facets.bad > 0)
     scene.warnings.push_back(
         fmt::format("{} of {} facets are not three vertices of three numbers and are left out, first before line {}",
-                    facets.bad, facets.bad + count, line_of(text, facets.first_bad)));
+                    facets.bad, facets.bad + count, line_number_at(text, facets.first_bad)));
   Mesh all;
   round_to_zero(facets.positions);
   set_positions(facets.positions, all, scene);

@@ -1,0 +1,23 @@
+// The format of a model: by its content, else by its name. Files and standard input are told apart by the same rules.
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace umbrage {
+
+/// Returns the format of a model, or of something that is often in its place (a web page, an archive), by its content:
+/// a file extension without the dot, "html", "lfs" or "utf16"; empty if unknown. `start`: the first kContentBytes bytes
+/// or more. `size`: of all of it; 0: unknown.
+std::string format_of_content(std::string_view start, std::size_t size);
+inline constexpr std::size_t kContentBytes = std::size_t(1) << 16;
+
+/// Returns the format by which to read a file: that of its content, if it is known and not another name of the one that
+/// its extension tells; else that of its extension, as import_format returns it.
+std::string format_of_file(const std::filesystem::path& file);
+
+/// Returns what a format is that is not read and what to do, as "a CAD format that is not read; ..."; empty for others.
+std::string conversion_advice(std::string_view format);
+
+}  // namespace umbrage
