@@ -92,7 +92,8 @@ void add_mesh(Build& build, int node_index, int mesh_index, int& object) {
       if (primitive->has_alpha && build.materials.uses_alpha[material])
         file.warn_once("COLOR_0 alpha", "transparency in the colours of vertices is not drawn");
       const bool is_skinned = !joints.empty() && !primitive->joints.empty();
-      PlacedMesh mesh = is_skinned ? skinned(*primitive, joints) : placed(*primitive, build.world[node] * instance);
+      PlacedMesh mesh =
+          is_skinned ? skinned(*primitive, joints) : placed(primitive->mesh, build.world[node] * instance);
       if (mesh.mesh.name.empty()) mesh.mesh.name = text_of(member(json, "name"));
       mesh.mesh.object = object;
       has_mesh = true;
@@ -120,26 +121,6 @@ void add_meshes(Build& build) {
       file.faults.add({"nodes", std::size_t(node)}, "mesh");
     else
       add_mesh(build, node, index, object);
-  }
-}
-
-/// Moves the meshes to the scene, relative to an origin near them.
-void move_to_origin(Build& build) {
-  OriginFinder finder;
-  for (const PlacedMesh& mesh : build.meshes) {
-    for (const glm::dvec3& p : mesh.positions) finder.add(p);
-    if (mesh.positions.empty())
-      for (const glm::vec3& p : mesh.mesh.positions) finder.add(glm::dvec3(p));
-  }
-  const glm::dvec3 origin = build.scene.origin = finder.origin();
-  for (PlacedMesh& placed : build.meshes) {
-    Mesh& mesh = placed.mesh;
-    for (std::size_t i = 0; i < placed.positions.size(); ++i)
-      mesh.positions[i] = glm::vec3(placed.positions[i] - origin);
-    if (placed.positions.empty() && origin != glm::dvec3(0.0))
-      for (glm::vec3& p : mesh.positions) p = glm::vec3(glm::dvec3(p) - origin);
-    build.scene.meshes.push_back(std::move(mesh));
-    placed = {};
   }
 }
 
@@ -262,7 +243,7 @@ Result<Scene> build_scene(GltfFile& file, const ImportSettings& settings) {
   if (build.meshes.empty() && build.counts.out_of_range > 0)
     return file_error("'{}' has no triangles that can be drawn; all {} have vertex indices out of range", name,
                       build.counts.out_of_range);
-  move_to_origin(build);
+  move_to_scene(std::move(build.meshes), build.scene);
   add_cameras(build);
   add_lights(build);
   const bool uses_default = std::any_of(build.scene.meshes.begin(), build.scene.meshes.end(), [&](const Mesh& mesh) {

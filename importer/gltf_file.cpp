@@ -65,29 +65,6 @@ int base64_value(char c) {
   return c == '/' || c == '_' ? 63 : -1;
 }
 
-std::optional<Bytes> from_base64(std::string_view text) {
-  std::array<std::int8_t, 256> values;
-  for (int c = 0; c < 256; ++c) values[std::size_t(c)] = std::int8_t(base64_value(char(c)));
-  while (!text.empty() && (text.back() == '=' || text.back() == '\n')) text.remove_suffix(1);
-  Bytes bytes;
-  bytes.reserve(text.size() / 4 * 3 + 3);
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const char c : text) {
-    const int value = values[static_cast<unsigned char>(c)];
-    if (value < 0) {
-      if (c == '\n' || c == '\r' || c == ' ') continue;
-      return std::nullopt;
-    }
-    bits = bits << 6 | std::uint32_t(value);
-    count += 6;
-    if (count < 8) continue;
-    count -= 8;
-    bytes.push_back(std::uint8_t(bits >> count));
-  }
-  return bytes;
-}
-
 /// Reads the bytes of a buffer that is not the binary chunk.
 Result<Bytes> bytes_of_uri(const GltfFile& file, const std::string& uri) {
   if (auto data = data_of_uri(uri)) return std::move(*data);
@@ -116,6 +93,29 @@ const Json& meshopt_of(const Json& view) {
 }
 
 }  // namespace
+
+std::optional<std::vector<std::uint8_t>> from_base64(std::string_view text) {
+  std::array<std::int8_t, 256> values;
+  for (int c = 0; c < 256; ++c) values[std::size_t(c)] = std::int8_t(base64_value(char(c)));
+  while (!text.empty() && (text.back() == '=' || text.back() == '\n')) text.remove_suffix(1);
+  Bytes bytes;
+  bytes.reserve(text.size() / 4 * 3 + 3);
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const char c : text) {
+    const int value = values[static_cast<unsigned char>(c)];
+    if (value < 0) {
+      if (c == '\n' || c == '\r' || c == ' ') continue;
+      return std::nullopt;
+    }
+    bits = bits << 6 | std::uint32_t(value);
+    count += 6;
+    if (count < 8) continue;
+    count -= 8;
+    bytes.push_back(std::uint8_t(bits >> count));
+  }
+  return bytes;
+}
 
 std::size_t GltfFile::byte_count() const {
   std::size_t count = bytes.size();

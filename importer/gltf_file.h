@@ -52,6 +52,9 @@ Result<GltfFile> open_gltf(const std::filesystem::path& path);
 /// Returns whether the file is glTF 1.0, whose JSON is another one.
 bool is_first_version(const GltfFile& file);
 
+/// Returns the bytes that a text in base64 stands for; nothing if it has other letters.
+std::optional<std::vector<std::uint8_t>> from_base64(std::string_view text);
+
 /// Returns the bytes of a data URI; nothing if the URI is none. Errors: kFile if its text is not base64.
 std::optional<Result<std::vector<std::uint8_t>>> data_of_uri(const std::string& uri);
 

@@ -177,26 +177,6 @@ int material_of(Reader& reader, const GltfMeshRules& rules) {
   return rules.default_material;
 }
 
-/// Transforms normals by the inverse transpose of `linear`.
-struct NormalTransform {
-  glm::dmat3 cofactor;
-  double sign = 1.0;
-
-  explicit NormalTransform(const glm::dmat3& linear)
-      // The cofactor matrix is the inverse transpose up to a factor, and exists for singular transforms, too.
-      : cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]), glm::cross(linear[0], linear[1])),
-        sign(glm::determinant(linear) < 0.0 ? -1.0 : 1.0) {}
-  glm::vec3 operator()(const glm::vec3& n) const {
-    const glm::dvec3 turned = sign * (cofactor * glm::dvec3(n));
-    const double length = glm::length(turned);
-    return length > 0.0 ? glm::vec3(turned / length) : glm::vec3(0.0f);
-  }
-};
-
-void turn_triangles(Mesh& mesh) {
-  for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3) std::swap(mesh.indices[k + 1], mesh.indices[k + 2]);
-}
-
 }  // namespace
 
 glm::vec2 GltfPlacement::placed(glm::vec2 uv) const {
@@ -254,45 +234,17 @@ Result<GltfPrimitive> read_primitive(GltfFile& file, const Json& json, std::size
   return primitive;
 }
 
-PlacedMesh placed(const GltfPrimitive& primitive, const glm::dmat4& world_from_mesh) {
-  PlacedMesh result{primitive.mesh, {}};
-  if (world_from_mesh == glm::dmat4(1.0)) return result;
-  Mesh& mesh = result.mesh;
-  result.positions.resize(mesh.positions.size());
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-    result.positions[i] = glm::dvec3(world_from_mesh * glm::dvec4(mesh.positions[i], 1.0));
-  const NormalTransform turned{glm::dmat3(world_from_mesh)};
-  if (glm::determinant(glm::dmat3(world_from_mesh)) == 0.0)
-    mesh.normals.clear();
-  else
-    for (glm::vec3& n : mesh.normals) n = turned(n);
-  if (turned.sign < 0.0) turn_triangles(mesh);
-  return result;
-}
-
 PlacedMesh skinned(const GltfPrimitive& primitive, const std::vector<glm::dmat4>& world_from_bind) {
-  PlacedMesh result{primitive.mesh, {}};
-  Mesh& mesh = result.mesh;
-  result.positions.resize(mesh.positions.size());
-  std::size_t mirrored = 0;
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    glm::dmat4 blended(0.0);
-    double sum = 0.0;
+  return skinned(primitive.mesh, [&](std::size_t i) {
+    BlendedTransform blended;
     for (std::size_t set = 0; set < primitive.joints.size(); ++set)
       for (int k = 0; k < 4; ++k) {
-        const float joint = primitive.joints[set].at(i)[k], weight = primitive.weights[set].at(i)[k];
-        if (!(weight > 0.0f) || !(joint >= 0.0f && joint < float(world_from_bind.size()))) continue;
-        blended += double(weight) * world_from_bind[std::size_t(joint)];
-        sum += double(weight);
+        const float joint = primitive.joints[set].at(i)[k];
+        if (joint >= 0.0f && joint < float(world_from_bind.size()))
+          blended.add(double(primitive.weights[set].at(i)[k]), world_from_bind[std::size_t(joint)]);
       }
-    blended = sum > 0.0 ? blended / sum : world_from_bind.empty() ? glm::dmat4(1.0) : world_from_bind[0];
-    result.positions[i] = glm::dvec3(blended * glm::dvec4(mesh.positions[i], 1.0));
-    const NormalTransform turned{glm::dmat3(blended)};
-    mirrored += turned.sign < 0.0;
-    if (!mesh.normals.empty()) mesh.normals[i] = turned(mesh.normals[i]);
-  }
-  if (2 * mirrored > mesh.positions.size()) turn_triangles(mesh);
-  return result;
+    return blended.mean_or(world_from_bind.empty() ? glm::dmat4(1.0) : world_from_bind[0]);
+  });
 }
 
 }  // namespace umbrage

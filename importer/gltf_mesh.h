@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "importer/gltf_accessor.h"
+#include "importer/placed_mesh.h"
 #include "scene/scene.h"
 
 namespace umbrage {
@@ -46,15 +47,6 @@ struct GltfCounts {
 Result<GltfPrimitive> read_primitive(GltfFile& file, const Json& mesh, std::size_t primitive,
                                      const std::vector<float>& morph_weights, const GltfMeshRules& rules,
                                      GltfCounts& counts);
-
-/// A mesh in world space.
-struct PlacedMesh {
-  Mesh mesh;
-  std::vector<glm::dvec3> positions;  ///< in place of mesh.positions; empty: those are world space
-};
-
-/// Places a primitive by its node.
-PlacedMesh placed(const GltfPrimitive& primitive, const glm::dmat4& world_from_mesh);
 
 /// Places a primitive by the joints of a skin: transforms from the space of the mesh to world space.
 PlacedMesh skinned(const GltfPrimitive& primitive, const std::vector<glm::dmat4>& world_from_bind);

@@ -1,6 +1,6 @@
-// Import of models: OBJ, PLY, OFF, STL, 3MF and points in text form by our own readers, PDB through Gemmi, all other
-// formats through Assimp. Assimp only parses and triangulates; scene/finish.cpp joins vertices and creates normals,
-// which is faster and gives all formats the same rules.
+// Import of models: OBJ, PLY, OFF, STL, 3MF, FBX and points in text form by our own readers, PDB through Gemmi, all
+// other formats through Assimp. Assimp only parses and triangulates; scene/finish.cpp joins vertices and creates
+// normals, which is faster and gives all formats the same rules.
 #include "importer/importer.h"
 
 #include <assimp/DefaultIOSystem.h>
@@ -19,10 +19,9 @@
 #include <charconv>
 #include <cstring>
 #include <exception>
-#include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
+#include <map>
 #include <memory>
 #include <new>
 #include <optional>
@@ -30,6 +29,7 @@
 #include <system_error>
 
 #include "importer/import_materials.h"
+#include "importer/placed_mesh.h"
 #include "importer/readers.h"
 #include "scene/readers/content.h"
 #include "scene/readers/import_parts.h"
@@ -195,38 +195,18 @@ struct MeshRules {
   bool linear_colors = false;  ///< otherwise vertex colours are sRGB
 };
 
-/// Converts a mesh of a node. `world_from_mesh`: the transform of the node.
-Mesh mesh_of(const aiMesh& source, const glm::dmat4& world_from_mesh, const MeshRules& rules) {
+/// Converts a mesh, in the space of its node.
+Mesh mesh_of(const aiMesh& source, const MeshRules& rules) {
   Mesh mesh;
   mesh.name = source.mName.C_Str();
   mesh.material = int(source.mMaterialIndex);
-  const glm::dmat3 linear(world_from_mesh);
-  const double determinant = glm::determinant(linear);
-  // The cofactor matrix is the inverse transpose up to a factor, and exists for singular transforms, too.
-  const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                            glm::cross(linear[0], linear[1]));
-  const double sign = determinant < 0.0 ? -1.0 : 1.0;
-  const bool is_moved = world_from_mesh != glm::dmat4(1.0);
-
-  mesh.positions.resize(source.mNumVertices);
-  for (unsigned i = 0; i < source.mNumVertices; ++i) {
-    const aiVector3D& p = source.mVertices[i];
-    mesh.positions[i] =
-        is_moved ? glm::vec3(world_from_mesh * glm::dvec4(p.x, p.y, p.z, 1.0)) : glm::vec3(p.x, p.y, p.z);
-  }
-  if (rules.keep_normals && source.mNormals && determinant != 0.0) {
-    mesh.normals.resize(source.mNumVertices);
-    for (unsigned i = 0; i < source.mNumVertices; ++i) {
-      const aiVector3D& n = source.mNormals[i];
-      if (!is_moved) {
-        mesh.normals[i] = {n.x, n.y, n.z};
-        continue;
-      }
-      const glm::dvec3 rotated = sign * (cofactor * glm::dvec3(n.x, n.y, n.z));
-      const double length = glm::length(rotated);
-      mesh.normals[i] = length > 0.0 ? glm::vec3(rotated / length) : glm::vec3(0.0f);
-    }
-  }
+  const auto vectors_of = [&](const aiVector3D* from) {
+    std::vector<glm::vec3> vectors(source.mNumVertices);
+    for (unsigned i = 0; i < source.mNumVertices; ++i) vectors[i] = {from[i].x, from[i].y, from[i].z};
+    return vectors;
+  };
+  mesh.positions = vectors_of(source.mVertices);
+  if (rules.keep_normals && source.mNormals) mesh.normals = vectors_of(source.mNormals);
   if (const aiVector3D* uvs = source.mTextureCoords[0]) {
     mesh.uvs.resize(source.mNumVertices);
     for (unsigned i = 0; i < source.mNumVertices; ++i) mesh.uvs[i] = {uvs[i].x, uvs[i].y};
@@ -243,57 +223,66 @@ Mesh mesh_of(const aiMesh& source, const glm::dmat4& world_from_mesh, const Mesh
   mesh.indices.reserve(std::size_t(source.mNumFaces) * 3);
   for (unsigned i = 0; i < source.mNumFaces; ++i) {
     const aiFace& face = source.mFaces[i];
-    if (face.mNumIndices != 3) continue;
-    const bool mirrored = sign < 0.0;
-    mesh.indices.push_back(face.mIndices[0]);
-    mesh.indices.push_back(face.mIndices[mirrored ? 2 : 1]);
-    mesh.indices.push_back(face.mIndices[mirrored ? 1 : 2]);
+    if (face.mNumIndices == 3) mesh.indices.insert(mesh.indices.end(), face.mIndices, face.mIndices + 3);
   }
   return mesh;
 }
 
-/// Adds every mesh of every node, transformed by `root`; points only if there are no triangles. Each node is an object.
-void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules& rules, Scene& scene) {
-  struct PendingNode {
-    const aiNode* node;
-    glm::dmat4 world_from_parent;
-  };
-  std::vector<PendingNode> stack{{source.mRootNode, root}};
-  const bool only_points = std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
-                                       [](const aiMesh* mesh) { return is_points(*mesh); });
-  int object = 0;
-  while (!stack.empty()) {
-    const PendingNode pending = stack.back();
-    stack.pop_back();
-    if (!pending.node) continue;
-    const glm::dmat4 world_from_node = pending.world_from_parent * matrix_of(pending.node->mTransformation);
-    bool has_mesh = false;
-    for (unsigned i = 0; i < pending.node->mNumMeshes; ++i) {
-      const unsigned index = pending.node->mMeshes[i];
-      if (index >= source.mNumMeshes || (is_points(*source.mMeshes[index]) && !only_points)) continue;
-      Mesh mesh = mesh_of(*source.mMeshes[index], world_from_node, rules);
-      if (mesh.indices.empty() && !mesh.points) continue;
-      if (mesh.name.empty()) mesh.name = pending.node->mName.C_Str();
-      mesh.object = object;
-      has_mesh = true;
-      scene.meshes.push_back(std::move(mesh));
-    }
-    if (has_mesh) ++object;
-    for (unsigned i = pending.node->mNumChildren; i-- > 0;)
-      stack.push_back({pending.node->mChildren[i], world_from_node});
+/// A node and its transform.
+struct PlacedNode {
+  const aiNode* node;
+  glm::dmat4 world_from_node;
+};
+
+/// Places a mesh by its node, or by the nodes that its bones name.
+PlacedMesh place_mesh(const aiMesh& source, const PlacedNode& at, const std::map<std::string, glm::dmat4>& worlds,
+                      const MeshRules& rules) {
+  std::vector<BlendedTransform> transforms(source.mNumBones > 0 ? source.mNumVertices : 0);
+  for (unsigned b = 0; b < source.mNumBones; ++b) {
+    const aiBone& bone = *source.mBones[b];
+    const auto world = worlds.find(bone.mName.C_Str());
+    if (world == worlds.end()) continue;
+    const glm::dmat4 transform = world->second * matrix_of(bone.mOffsetMatrix);
+    for (unsigned k = 0; k < bone.mNumWeights; ++k)
+      if (bone.mWeights[k].mVertexId < source.mNumVertices)
+        transforms[bone.mWeights[k].mVertexId].add(double(bone.mWeights[k].mWeight), transform);
   }
+  if (transforms.empty()) return placed(mesh_of(source, rules), at.world_from_node);
+  return skinned(mesh_of(source, rules), [&](std::size_t i) { return transforms[i].mean_or(at.world_from_node); });
 }
 
-/// Returns world up as the format or the file defines it. Assimp converts DAE itself, but not FBX.
-glm::vec3 up_of(const aiScene& source, const std::string& format) {
-  std::int32_t axis = 1, sign = 1;
-  if (format == "fbx" && source.mMetaData) {
-    source.mMetaData->Get("UpAxis", axis);
-    source.mMetaData->Get("UpAxisSign", sign);
+/// Adds every mesh of every node, transformed by `root`; points only if there are no triangles. Each node is an object.
+void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules& rules, Scene& scene) {
+  std::vector<PlacedNode> nodes, stack{{source.mRootNode, root}};
+  std::map<std::string, glm::dmat4> worlds;
+  while (!stack.empty()) {
+    PlacedNode at = stack.back();
+    stack.pop_back();
+    if (!at.node) continue;
+    at.world_from_node = at.world_from_node * matrix_of(at.node->mTransformation);
+    nodes.push_back(at);
+    worlds.emplace(at.node->mName.C_Str(), at.world_from_node);
+    for (unsigned i = at.node->mNumChildren; i-- > 0;) stack.push_back({at.node->mChildren[i], at.world_from_node});
   }
-  glm::vec3 up(0.0f);
-  up[axis >= 0 && axis < 3 ? axis : 1] = sign < 0 ? -1.0f : 1.0f;
-  return up;
+  const bool only_points = std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
+                                       [](const aiMesh* mesh) { return is_points(*mesh); });
+  std::vector<PlacedMesh> meshes;
+  int object = 0;
+  for (const PlacedNode& at : nodes) {
+    bool has_mesh = false;
+    for (unsigned i = 0; i < at.node->mNumMeshes; ++i) {
+      const unsigned index = at.node->mMeshes[i];
+      if (index >= source.mNumMeshes || (is_points(*source.mMeshes[index]) && !only_points)) continue;
+      PlacedMesh made = place_mesh(*source.mMeshes[index], at, worlds, rules);
+      if (made.mesh.indices.empty() && !made.mesh.points) continue;
+      if (made.mesh.name.empty()) made.mesh.name = at.node->mName.C_Str();
+      made.mesh.object = object;
+      has_mesh = true;
+      meshes.push_back(std::move(made));
+    }
+    if (has_mesh) ++object;
+  }
+  move_to_scene(std::move(meshes), scene);
 }
 
 Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, bool process_ends) {
@@ -318,15 +307,11 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   // In formats other than glTF, points are what remains of invalid faces.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | (is_gltf ? 0 : aiPrimitiveType_POINT));
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
   const Log log;
   const aiScene* source = importer.ReadFile(name, aiProcess_Triangulate | aiProcess_SortByPType);
   if (!source || !source->mRootNode) return unreadable(file, format, importer.GetErrorString());
   Scene scene;
-  scene.up = up_of(*source, format);
-  scene.has_front = is_gltf;
+  scene.has_front = is_gltf || format == "dae";
   import_materials(*source, file, format, scene);
   // 3DS files contain no normals, and the normals that Assimp creates ignore creases.
   rules.keep_normals = format != "3ds";
@@ -385,6 +370,7 @@ Result<Scene> import_in_process(const fs::path& file, const ImportSettings& sett
                           : format == "stl"                    ? read_stl(file)
                           : format == "xyz" || format == "pts" ? read_xyz(file)
                           : format == "3mf"                    ? read_3mf(file)
+                          : format == "fbx"                    ? read_fbx(file)
                           : format == "pdb" || format == "ent" ? read_pdb(file)
                                                                : import_by_assimp(file, format, process_ends);
     // complete_import uses several threads for points. The memory limits of this process leave no room for them.

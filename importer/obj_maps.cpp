@@ -13,7 +13,7 @@
 namespace umbrage {
 namespace {
 
-constexpr glm::vec3 kNeutral{0.8f};  ///< surfaces whose texture is missing
+constexpr glm::vec3 kNeutralAlbedo{0.8f};  ///< surfaces whose texture is missing
 
 /// The names of a material's maps in the texture cache; empty: no map.
 struct MapNames {
@@ -70,7 +70,7 @@ void set_color(const MapNames& maps, TextureCache& textures, Material& material)
   if (color.empty() && mask.empty()) return;
   material.texture = mask.empty() || mask == color ? textures.find(color) : textures.find_with_mask(color, mask);
   if (material.texture == kNoTexture) {
-    if (!color.empty()) material.albedo = kNeutral;
+    if (!color.empty()) material.albedo = kNeutralAlbedo;
     return;
   }
   // Some exporters write a black colour with a texture, because the texture replaces the colour in their viewer.

@@ -19,6 +19,9 @@ std::optional<Result<Scene>> read_gltf(const std::filesystem::path& file, const 
 /// locations of an atom the first is drawn. Errors: kFile. Throws the exceptions of Gemmi.
 Result<Scene> read_pdb(const std::filesystem::path& file);
 
+/// Reads the visible meshes of an FBX file of version 7, in its pose, with their materials. Errors: kFile.
+Result<Scene> read_fbx(const std::filesystem::path& file);
+
 /// Reads the objects that the build of a .3mf file names, with their transforms, base materials, colours and textures.
 /// Lengths are converted to millimetres. Errors: kFile.
 Result<Scene> read_3mf(const std::filesystem::path& file);

@@ -117,4 +117,13 @@ std::string inflated_start(std::string_view bytes, std::size_t count) {
   return content;
 }
 
+std::string inflated_to(std::string_view bytes, std::size_t size) {
+  std::string content(size, '\0');
+  uLongf count = uLongf(size);
+  const int status = ::uncompress(reinterpret_cast<Bytef*>(content.data()), &count,
+                                  reinterpret_cast<const Bytef*>(bytes.data()), uLong(bytes.size()));
+  content.resize(status == Z_OK ? count : 0);
+  return content;
+}
+
 }  // namespace umbrage

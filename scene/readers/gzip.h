@@ -25,4 +25,7 @@ Result<std::size_t> inflated_size(std::string_view bytes, const std::string& fil
 /// damaged.
 std::string inflated_start(std::string_view bytes, std::size_t count);
 
+/// Returns `size` bytes that zlib has compressed, as in binary FBX files; fewer if `bytes` are damaged.
+std::string inflated_to(std::string_view bytes, std::size_t size);
+
 }  // namespace umbrage
