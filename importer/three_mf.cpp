@@ -1,26 +1,28 @@
-// 3MF, the format of 3D printing, by the 3MF core specification 1.3 and its materials and production extensions. Used
-// instead of Assimp, since Assimp 5.2 drops the colours of triangles.
+// 3MF, the format of 3D printing, by the 3MF core specification 1.3 and its materials, production and beam lattice
+// extensions. Used instead of Assimp, since Assimp 5.2 drops the colours of triangles.
 #include "importer/readers.h"
 
 #include <zip.h>
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
 #include <map>
 #include <memory>
 #include <optional>
-#include <pugixml.hpp>
 #include <set>
 #include <unordered_map>
 
 #include "importer/importer.h"
-#include "scene/readers/positions.h"
-#include "scene/readers/read_number.h"
+#include "importer/placed_mesh.h"
+#include "importer/three_mf_beams.h"
+#include "importer/three_mf_slicer.h"
+#include "importer/three_mf_xml.h"
 #include "scene/readers/texture_file.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"
@@ -30,38 +32,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using pugi::xml_node;
-
-std::string_view local_name(const char* name) {
-  const char* colon = std::strchr(name, ':');
-  return colon ? colon + 1 : name;
-}
-
-/// Returns an attribute by its name without the namespace's prefix, of which files may choose any.
-std::string_view attribute(const xml_node& node, std::string_view name) {
-  for (const pugi::xml_attribute& each : node.attributes())
-    if (local_name(each.name()) == name) return each.value();
-  return {};
-}
-
-xml_node child(const xml_node& node, std::string_view name) {
-  for (const xml_node& each : node.children())
-    if (local_name(each.name()) == name) return each;
-  return {};
-}
-
-template <class T>
-std::optional<T> number(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '+')) text.remove_prefix(1);
-  if constexpr (std::is_floating_point_v<T>) {
-    const char* at = text.data();
-    double value = 0.0;
-    const bool found = read_number(at, at + text.size(), value) && std::isfinite(value);
-    return found ? std::optional(T(value)) : std::nullopt;
-  }
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end != text.data() ? std::optional(value) : std::nullopt;
-}
 
 /// Parses a transform, 12 numbers: a matrix of 4 rows of 3 that multiplies row vectors from the right.
 glm::dmat4 transform_of(const xml_node& node) {
@@ -106,12 +76,6 @@ struct Part {
   std::map<std::string, Group, std::less<>> groups;
 };
 
-/// A mesh, whose positions are still in double precision.
-struct PlacedMesh {
-  Mesh mesh;
-  std::vector<glm::dvec3> positions;
-};
-
 /// The reading of one archive.
 class Reader {
  public:
@@ -134,17 +98,33 @@ class Reader {
   Result<Part*> part(const std::string& name);
   void read_group(const xml_node& node, const std::map<std::string, xml_node, std::less<>>& images, Part& to);
   int add_texture(std::string_view path);
-  Result<void> add_object(const std::string& part_name, std::string_view id, const glm::dmat4& place, int depth);
-  void add_mesh(const xml_node& object, const Part& of, const glm::dmat4& place);
+  void read_project();
+  void warn_of_extensions(const xml_node& model);
+  /// `root`: the id of the object that the build names.
+  Result<void> add_object(const std::string& part_name, std::string_view id, std::string_view root,
+                          const glm::dmat4& place, int depth);
+  Result<void> add_build(const std::string& root_part);
+  void add_mesh(const xml_node& object, std::string_view root, const Part& of, const glm::dmat4& place);
+  void add_beams(const xml_node& object, std::string_view root, const Part& of, const std::vector<glm::dvec3>& vertices,
+                 const glm::dmat4& place);
   /// Returns the material of triangles without one, or of those that have colours.
   int plain_material(bool colored);
+  /// Returns the material of triangles of a group; those without one have the colour of a filament.
+  int material_of(const Group* group, std::uint32_t value, std::string_view filament);
+  bool is_hidden(std::string_view kind) {
+    if (!kind.empty()) hidden_.emplace(kind);
+    return !kind.empty() && !shows_hidden_;
+  }
 
   std::string file_, bytes_;  // bytes_: the archive
   zip_t* archive_ = nullptr;
   std::map<std::string, std::unique_ptr<Part>> parts_;
   Scene scene_;
   std::vector<PlacedMesh> meshes_;
-  std::set<std::string> warned_;
+  SlicerProject project_;
+  std::map<std::string, int, std::less<>> filaments_;  // materials by colour
+  bool shows_hidden_ = false, has_slices_ = false;
+  std::set<std::string> warned_, hidden_;
   std::size_t wrong_triangles_ = 0;
   int plain_materials_[2] = {-1, -1}, object_ = 0, placed_count_ = 0;
 };
@@ -177,6 +157,15 @@ int Reader::plain_material(bool colored) {
     if (colored) material.albedo = glm::vec3(1.0f);  // colours multiply it
   }
   return known;
+}
+
+int Reader::material_of(const Group* group, std::uint32_t value, std::string_view filament) {
+  if (group && group->kind == Group::kMaterials && value < group->materials.size()) return group->materials[value];
+  if (group && group->kind == Group::kTexture) return group->materials[0];
+  if (group || filament.empty()) return plain_material(group && group->kind == Group::kColors);
+  const auto [entry, is_new] = filaments_.emplace(filament, int(scene_.materials.size()));
+  if (is_new) scene_.materials.push_back({.name = std::string(filament), .albedo = glm::vec3(color_of(filament))});
+  return entry->second;
 }
 
 int Reader::add_texture(std::string_view path) {
@@ -219,6 +208,7 @@ void Reader::read_group(const xml_node& node, const std::map<std::string, xml_no
       group.corners.emplace_back(number<float>(attribute(corner, "u")).value_or(0.0f),
                                  number<float>(attribute(corner, "v")).value_or(0.0f));
   } else {
+    has_slices_ = has_slices_ || kind == "slicestack";
     if (kind == "compositematerials" || kind == "multiproperties")
       warn(fmt::format("the file's {} are not drawn", kind));
     return;
@@ -236,6 +226,7 @@ Result<Part*> Reader::part(const std::string& name) {
   const pugi::xml_parse_result parsed = made->document.load_buffer(bytes->data(), bytes->size());
   if (!parsed)
     return unreadable(fmt::format("its part '{}' is invalid XML at byte {}", name, std::size_t(parsed.offset)));
+  warn_of_extensions(child(made->document, "model"));
   const xml_node resources = child(child(made->document, "model"), "resources");
   std::map<std::string, xml_node, std::less<>> images;
   for (const xml_node& node : resources.children()) {
@@ -247,7 +238,42 @@ Result<Part*> Reader::part(const std::string& name) {
   return (parts_[name] = std::move(made)).get();
 }
 
-void Reader::add_mesh(const xml_node& object, const Part& of, const glm::dmat4& place) {
+void Reader::warn_of_extensions(const xml_node& model) {
+  constexpr std::string_view kKnown[] = {"/material/", "/production/", "/beamlattice/", "/slice/", "/trianglesets/"};
+  std::string_view prefixes = attribute(model, "requiredextensions");
+  while (!prefixes.empty()) {
+    const std::string prefix(prefixes.substr(0, prefixes.find(' ')));
+    prefixes.remove_prefix(std::min(prefix.size() + 1, prefixes.size()));
+    std::string name = model.attribute(("xmlns:" + prefix).c_str()).value();
+    if (name.empty()) name = prefix;
+    const auto is_in_name = [&](std::string_view known) { return name.find(known) != std::string::npos; };
+    if (!name.empty() && std::none_of(std::begin(kKnown), std::end(kKnown), is_in_name))
+      warn(fmt::format("the file requires the extension '{}', which is not read; what it adds is not drawn", name));
+  }
+}
+
+/// Adds the beams of a mesh, in the colour of its object.
+void Reader::add_beams(const xml_node& object, std::string_view root, const Part& of,
+                       const std::vector<glm::dvec3>& vertices, const glm::dmat4& place) {
+  const xml_node lattice = child(child(object, "mesh"), "beamlattice");
+  if (!lattice) return;
+  if (!attribute(lattice, "clippingmesh").empty()) warn("the file's beams are not clipped by a mesh");
+  const auto found = of.groups.find(attribute(object, "pid"));
+  const Group* const group = found == of.groups.end() ? nullptr : &found->second;
+  const auto value = number<std::uint32_t>(attribute(object, "pindex")).value_or(0);
+  const int material = material_of(group, value, project_.color(root, project_.find(root, attribute(object, "id"), 0)));
+  const double scale = std::cbrt(std::abs(glm::determinant(glm::dmat3(place))));
+  for (PlacedMesh& made : beams_of(lattice, vertices, scale)) {
+    if (group && value < group->colors.size())
+      made.mesh.colors.assign(made.positions.size(), glm::vec3(group->colors[value]));
+    made.mesh.name = attribute(object, "name");
+    made.mesh.material = material;
+    made.mesh.object = object_;
+    meshes_.push_back(std::move(made));
+  }
+}
+
+void Reader::add_mesh(const xml_node& object, std::string_view root, const Part& of, const glm::dmat4& place) {
   const xml_node mesh = child(object, "mesh");
   std::vector<glm::dvec3> vertices;
   for (const xml_node& vertex : child(mesh, "vertices").children()) {
@@ -256,13 +282,16 @@ void Reader::add_mesh(const xml_node& object, const Part& of, const glm::dmat4& 
     };
     vertices.emplace_back(place * glm::dvec4(at("x"), at("y"), at("z"), 1.0));
   }
-  if (child(mesh, "beamlattice")) warn("the file's beam lattices are not drawn");
   const bool mirrored = glm::determinant(glm::dmat3(place)) < 0.0;
   const std::string_view object_group = attribute(object, "pid");
   const auto object_index = number<std::uint32_t>(attribute(object, "pindex")).value_or(0);
   // By material, with the indices of their vertices.
   std::map<int, std::pair<PlacedMesh, std::unordered_map<std::uint64_t, std::uint32_t>>> meshes;
+  const std::string_view id = attribute(object, "id");
+  std::uint32_t number_of_triangle = 0;
   for (const xml_node& triangle : child(mesh, "triangles").children()) {
+    const SlicerPart* const part = project_.find(root, id, number_of_triangle++);
+    if (part && is_hidden(part->hidden_as)) continue;
     const char* const names[] = {"v1", "v2", "v3"};
     const char* const properties[] = {"p1", "p2", "p3"};
     std::uint32_t corners[3], values[3];
@@ -284,12 +313,8 @@ void Reader::add_mesh(const xml_node& object, const Part& of, const glm::dmat4& 
       warn("colours painted in a slicer are not drawn");
     const auto found = of.groups.find(own_group.empty() ? object_group : own_group);
     const Group* group = found == of.groups.end() ? nullptr : &found->second;
-    int material = -1;
-    if (group && group->kind == Group::kMaterials && values[0] < group->materials.size())
-      material = group->materials[values[0]];
-    if (group && group->kind == Group::kTexture) material = group->materials[0];
     const bool colored = group && group->kind == Group::kColors, textured = group && group->kind == Group::kTexture;
-    if (material < 0) material = plain_material(colored);
+    const int material = material_of(group, values[0], project_.color(root, part));
     auto& [to, index_of] = meshes[material];
     to.mesh.material = material;
     if (mirrored) std::swap(corners[1], corners[2]), std::swap(values[1], values[2]);
@@ -311,10 +336,12 @@ void Reader::add_mesh(const xml_node& object, const Part& of, const glm::dmat4& 
     made.first.mesh.object = object_;
     meshes_.push_back(std::move(made.first));
   }
-  if (!meshes.empty()) ++object_;
+  add_beams(object, root, of, vertices, place);
+  if (!meshes_.empty() && meshes_.back().mesh.object == object_) ++object_;
 }
 
-Result<void> Reader::add_object(const std::string& part_name, std::string_view id, const glm::dmat4& place, int depth) {
+Result<void> Reader::add_object(const std::string& part_name, std::string_view id, std::string_view root,
+                                const glm::dmat4& place, int depth) {
   constexpr int kMaxDepth = 64, kMaxPlaced = 1'000'000;
   if (depth > kMaxDepth) return unreadable("its objects contain each other");
   if (++placed_count_ > kMaxPlaced)
@@ -323,10 +350,11 @@ Result<void> Reader::add_object(const std::string& part_name, std::string_view i
   if (!of) return of.error();
   const auto object = (*of)->objects.find(id);
   if (object == (*of)->objects.end()) return unreadable(fmt::format("its part '{}' has no object '{}'", part_name, id));
-  add_mesh(object->second, **of, place);
+  if (is_hidden(hidden_kind(object->second))) return {};
+  add_mesh(object->second, root, **of, place);
   for (const xml_node& component : child(object->second, "components").children()) {
     const std::string path(attribute(component, "path"));
-    auto added = add_object(path.empty() ? part_name : path, attribute(component, "objectid"),
+    auto added = add_object(path.empty() ? part_name : path, attribute(component, "objectid"), root,
                             place * transform_of(component), depth + 1);
     if (!added) return added;
   }
@@ -340,6 +368,35 @@ double unit_of(std::string_view name) {
   for (const auto& [known, length] : kUnits)
     if (known == name) return length;
   return 1.0;  // millimetre, also the default
+}
+
+Result<void> Reader::add_build(const std::string& root) {
+  const auto first = part(root);
+  if (!first) return first.error();
+  const xml_node model = child((*first)->document, "model");
+  scene_.up = {0.0f, 0.0f, 1.0f};
+  const double unit = unit_of(attribute(model, "unit"));
+  glm::dmat4 to_millimetres(unit);
+  to_millimetres[3][3] = 1.0;
+  for (const xml_node& item : child(model, "build").children()) {
+    const std::string path(attribute(item, "path"));
+    const std::string_view id = attribute(item, "objectid");
+    auto added = add_object(path.empty() ? root : path, id, id, to_millimetres * transform_of(item), 0);
+    if (!added) return added;
+  }
+  return {};
+}
+
+/// Reads what slicers add.
+void Reader::read_project() {
+  for (const char* name : {"Metadata/Slic3r_PE_model.config", "Metadata/model_settings.config"})
+    if (const auto config = content(name)) {
+      pugi::xml_document document;
+      document.load_buffer(config->data(), config->size());
+      project_.add_objects(document.child("config"));
+    }
+  for (const char* name : {"Metadata/Slic3r_PE.config", "Metadata/project_settings.config"})
+    if (const auto settings = content(name)) project_.add_colors(*settings);
 }
 
 Result<Scene> Reader::read() {
@@ -358,30 +415,22 @@ Result<Scene> Reader::read() {
     for (const xml_node& relation : child(document, "Relationships").children())
       if (attribute(relation, "Type").ends_with("/3dmodel")) root = attribute(relation, "Target");
   }
-  const auto first = part(root);
-  if (!first) return first.error();
-  const xml_node model = child((*first)->document, "model");
-  scene_.up = {0.0f, 0.0f, 1.0f};
-  const double unit = unit_of(attribute(model, "unit"));
-  glm::dmat4 to_millimetres(unit);
-  to_millimetres[3][3] = 1.0;
-  for (const xml_node& item : child(model, "build").children()) {
-    const std::string path(attribute(item, "path"));
-    auto added =
-        add_object(path.empty() ? root : path, attribute(item, "objectid"), to_millimetres * transform_of(item), 0);
-    if (!added) return added.error();
+  read_project();
+  auto added = add_build(root);
+  if (added && meshes_.empty() && !hidden_.empty()) {
+    shows_hidden_ = true;
+    placed_count_ = 0;
+    added = add_build(root);
   }
+  if (!added) return added.error();
+  if (has_slices_ && meshes_.empty()) return unreadable("it has only slices, which are not read");
+  if (has_slices_) warn("the file's slices are not drawn");
+  if (!hidden_.empty())
+    warn(shows_hidden_ ? fmt::format("the file has only {}; they are drawn", fmt::join(hidden_, " and "))
+                       : fmt::format("the file's {} are left out", fmt::join(hidden_, ", ")));
   if (wrong_triangles_ > 0)
     warn(fmt::format("{} triangles have vertex indices out of range and are left out", wrong_triangles_));
-  OriginFinder finder;
-  for (const PlacedMesh& placed : meshes_)
-    for (const glm::dvec3& p : placed.positions) finder.add(p);
-  scene_.origin = finder.origin();
-  for (PlacedMesh& placed : meshes_) {
-    placed.mesh.positions.reserve(placed.positions.size());
-    for (const glm::dvec3& p : placed.positions) placed.mesh.positions.emplace_back(p - scene_.origin);
-    scene_.meshes.push_back(std::move(placed.mesh));
-  }
+  move_to_scene(std::move(meshes_), scene_);
   return std::move(scene_);
 }
 
