@@ -142,6 +142,22 @@ void add_triangles(const Mesh& mesh, const glm::mat4& world_from_mesh, SceneBox&
 
 namespace {
 
+/// Returns whether anything of a mesh is seen.
+bool is_seen(const Scene& scene, const Mesh& mesh) {
+  const auto index = std::size_t(mesh.material);
+  if (index >= scene.materials.size()) return true;
+  const Material& material = scene.materials[index];
+  const float opacity = material.blended ? material.opacity : 1.0f;
+  const float least = material.alpha_mask ? std::max(material.alpha_cutoff, kMinOpacity) : kMinOpacity;
+  const auto texture = std::size_t(material.texture);
+  if (mesh.uvs.empty() || texture >= scene.textures.size() || !(material.blended || material.alpha_mask))
+    return opacity >= kMinOpacity;
+  const std::vector<std::uint8_t>& rgba = scene.textures[texture].rgba;
+  for (std::size_t i = 3; i < rgba.size(); i += 4)
+    if (opacity * float(rgba[i]) >= least * 255.0f) return true;
+  return false;
+}
+
 /// Sets the bounds to the box of all vertices and points, or of all but strays, and warns of these.
 Strays set_bounds(Scene& scene, BoundsOf bounds) {
   SceneBox all;
@@ -156,6 +172,13 @@ Strays set_bounds(Scene& scene, BoundsOf bounds) {
 }
 
 }  // namespace
+
+bool show_if_invisible(Scene& scene) {
+  if (std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const Mesh& mesh) { return is_seen(scene, mesh); }))
+    return false;
+  for (Material& material : scene.materials) material.blended = material.alpha_mask = false;
+  return true;
+}
 
 std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg, const PointSettings& points, Poll* poll,
                          BoundsOf bounds) {

@@ -34,6 +34,10 @@ struct DamagedTriangles {
 
 DamagedTriangles count_damaged(const Scene& scene);
 
+/// Makes all materials opaque if no mesh of the scene is seen, because all are transparent or cut out. Returns whether
+/// it did.
+bool show_if_invisible(Scene& scene);
+
 /// An axis-aligned box around parts of a scene, world space.
 struct SceneBox {
   glm::vec3 low{std::numeric_limits<float>::max()}, high{std::numeric_limits<float>::lowest()};

@@ -208,6 +208,8 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
     return file_error("'{}' has no triangles that can be drawn; all {} are degenerate or not finite", file.string(),
                       triangles);
   }
+  if (show_if_invisible(scene))
+    scene.warnings.push_back("all surfaces of the model are transparent in the file; they are drawn opaque");
   const std::size_t dropped_triangles = triangles - scene.triangle_count();
   if (points > 0) warn(dropped - dropped_triangles - zeros, points, "points are not finite");
   constexpr std::size_t kWarnOneIn = 4;  // one in four; fewer are common in CAD and not visible
