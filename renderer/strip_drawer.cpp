@@ -64,7 +64,11 @@ Result<StripSizes> plan_strips(const Device& device, const StripSource& source, 
     after.emplace(name, Margin{});
   const StripNeeds needs = needs_of_strips(source.run, info, source.before, source.given.names, after);
   const double margins = 2.0 * margin_of(source, needs);
-  const double fixed = kFixed + plane * (needs.whole_planes + sum.held);
+  const std::vector<std::string_view> edges = edge_planes(source.lines, layers);
+  const auto of_lines = std::count_if(edges.begin(), edges.end(), [&](std::string_view name) {
+    return source.run.wanted && contains(*source.run.wanted, name);
+  });
+  const double fixed = kFixed + plane * (needs.whole_planes + double(of_lines) + sum.held);
   const auto bytes = [&](int rows) {
     const double own = std::min(rows, info.height);
     return fixed + row * rows_of_planes(live.max - needs.not_stored, std::min(own + margins, height), own, own);
@@ -88,6 +92,12 @@ Result<Strokes> StripDrawer::draw_picture(const std::vector<std::string>& planes
   const auto whole_planes = std::make_shared<WholePlanes>();
   Margins after = source_.after;
   for (const std::string& name : planes) after.emplace(name, Margin{});
+  edges_ = Image(source_.info.width, height);
+  if (lines)
+    for (const std::string_view name : edge_planes(source_.lines, int(source_.info.more_layers.size()) + 1)) {
+      edges_.add(name) = Plane(edges_.width, height);
+      after.emplace(name, Margin{});
+    }
   const StripNeeds needs = needs_of_strips(source_.run, source_.info, source_.before, source_.given.names, after);
   bool finished = false;
   const auto sweeps = double(needs.sweeps.size());
@@ -107,18 +117,18 @@ Result<Strokes> StripDrawer::draw_picture(const std::vector<std::string>& planes
     if (metered_in_sweep_) source_.run.stops = metering_.stops(stops_from_lights_);
   }
   if (!finished) fail_check("a picture in strips needs more sweeps than were planned");
-  return lines ? lines_of(*whole_planes) : Strokes();
+  return lines ? traced_strokes(info_, edges_, source_.lines, device_.threads()) : Strokes();
 }
 
-/// Traces the lines from the planes that the strips have gathered for the host step.
-Strokes StripDrawer::lines_of(WholePlanes& whole_planes) const {
-  Image planes(info_.width, info_.height);
-  for (const std::string_view name : edge_planes(source_.lines, int(info_.more_layers.size()) + 1)) {
-    planes.add(name) = Plane(info_.width, info_.height, neutral_value(name).value_or(0.0f));
-    for (auto& [key, entry] : whole_planes.planes)
-      if (std::get<0>(key) == info_.reduced && std::get<1>(key) == name) planes.plane(name) = std::move(entry.plane);
-  }
-  return traced_strokes(info_, planes, source_.lines, device_.threads());
+/// Adds the rows of a finished strip to the planes from which lines are traced.
+Result<void> StripDrawer::add_edges(const Frame& frame, const Rows& rows) {
+  if (edges_.names.empty()) return {};
+  const auto part = device_.download_with_guard(frame, edges_.names);
+  if (!part) return part.error();
+  for (std::size_t k = 0; k < edges_.planes.size(); ++k)
+    for (int y = 0; y < part->height; ++y)
+      std::copy_n(part->planes[k].row(y), edges_.width, edges_.planes[k].row(rows.begin + y));
+  return {};
 }
 
 /// Prepares the plane pool for strips with this number of rows: drops planes of other sizes, which cannot be reused.
@@ -142,6 +152,7 @@ Result<bool> StripDrawer::draw_strip(const Strip& strip, const std::vector<std::
   if (!state) return state.error();
   if (!state->finished) return false;
   stops_ = state->stops;
+  if (auto added = add_edges(*frame, strip.rows); !added) return added.error();
   auto rows = device_.download(*frame, planes);
   if (!rows) return rows.error();
   if (rows->height > 0)

@@ -69,7 +69,7 @@ class StripDrawer {
   float stops() const { return stops_; }
 
  private:
-  Strokes lines_of(WholePlanes& whole_planes) const;
+  Result<void> add_edges(const Frame& frame, const Rows& rows);
   Result<bool> draw_strip(const Strip& strip, const std::vector<std::string>& planes, const Finish& finish);
   void prepare_plane_pool(const Rows& rows);
   Result<std::optional<float>> meter(Device& device, const Frame& frame);
@@ -84,6 +84,7 @@ class StripDrawer {
   float stops_ = 0.0f;
   bool metered_in_sweep_ = false;  // whether the sweep collects values for metering
   PictureInfo info_;
+  Image edges_;  // planes from which lines are traced, with the guard band; none if no lines are
   std::optional<ScopedPlanePool> kept_;
   int kept_rows_ = 0;
   int first_ = 0;  // first inner row of the strip

@@ -27,6 +27,15 @@ class Cli : public test::ProgramTest {};
 
 // ---- Rendering
 
+TEST_F(Cli, CurvesInStripsHaveHiddenLines) {
+  const std::string line = "scene:solids?detail=7000 --look technical --set hidden.draw=on --resolution 256x200 -o ";
+  good(line + "whole.svg");
+  run(line + "strips.svg --memory 1M");
+  const std::string whole = test::text_of(folder_ / "whole.svg");
+  EXPECT_NE(whole.find("class=\"hidden\""), std::string::npos);
+  EXPECT_EQ(test::text_of(folder_ / "strips.svg"), whole);
+}
+
 TEST_F(Cli, PrintsHelpAndVersion) {
   for (const char* line : {"--help", "-h", "render --help", "list --help", "bench --help", "figures --help"}) {
     const Outcome help = good(line);
