@@ -23,6 +23,7 @@ constexpr std::size_t kPosition = 30, kWidth = 8, kOld = 72, kElement = 76, kCha
 /// Atoms whose position is not three numbers in their columns, which Gemmi reads as 0 or as another number.
 struct BadAtoms {
   std::size_t count = 0, all = 0, first_line = 0;
+  bool is_misplaced = false;                        ///< the first one has three numbers elsewhere
   std::size_t shifted = 0, first_shifted_line = 0;  ///< with three numbers that end before their columns do
   std::size_t comma_line = 0;                       ///< first line with decimal commas; 0: none
 };
@@ -45,6 +46,21 @@ Position check_position(std::string_view line) {
     if (ends_early && result == Position::kGood) result = Position::kShifted;
   }
   return result;
+}
+
+/// Returns whether the first three words with a point, from the residue's number on, are numbers.
+bool has_numbers(std::string_view line) {
+  constexpr std::size_t kFrom = kPosition - 8;
+  int count = 0;
+  for (std::string_view rest = columns_of(line, kFrom, line.size()); !rest.empty() && count < 3;) {
+    rest.remove_prefix(std::min(rest.find_first_not_of(" \r\n"), rest.size()));
+    const std::string_view word = rest.substr(0, rest.find_first_of(" \r\n"));
+    rest.remove_prefix(word.size());
+    if (word.find('.') == std::string_view::npos) continue;
+    if (!number_of(word)) return false;
+    ++count;
+  }
+  return count == 3;
 }
 
 /// Returns whether columns 73 to 80 are not a segment, an element of letters and a charge such as "2+".
@@ -72,7 +88,7 @@ BadAtoms clean_atoms(std::string& text) {
     ++bad.all;
     const Position position = check_position(line);
     if (position == Position::kBad) {
-      if (bad.count++ == 0) bad.first_line = number;
+      if (bad.count++ == 0) bad.first_line = number, bad.is_misplaced = has_numbers(line);
       if (bad.comma_line == 0 && has_decimal_commas(columns_of(line, kPosition, line.size()))) bad.comma_line = number;
       continue;
     }
@@ -105,15 +121,14 @@ Result<Scene> read_pdb(const std::filesystem::path& file) {
         for (const gemmi::Atom& atom : residue.first_conformer())
           atoms.push_back({{atom.pos.x, atom.pos.y, atom.pos.z}, atom.element.name()});
   if (atoms.empty() && bad.count > 0)
-    return file_error("'{}' has no atom with a position of three numbers in columns 31 to 54, first in line {}",
-                      file.string(), bad.first_line);
+    return file_error("'{}' has no atom with three numbers in columns 31 to 54{}, first in line {}", file.string(),
+                      bad.is_misplaced ? ": its columns are shifted" : "", bad.first_line);
   if (atoms.empty()) return file_error("'{}' has no atoms", file.string());
   Scene scene = scene_of_atoms(atoms, file);
   if (bad.count > 0)
     scene.warnings.push_back(
-        fmt::format("{} of {} atoms have no position of three numbers in columns 31 to 54 and are left out, first in "
-                    "line {}",
-                    bad.count, bad.all, bad.first_line));
+        fmt::format("{} of {} atoms have no position of three numbers{} and are left out, first in line {}", bad.count,
+                    bad.all, bad.is_misplaced ? " in columns 31 to 54, but shifted," : "", bad.first_line));
   if (bad.shifted > 0)
     scene.warnings.push_back(
         fmt::format("{} of {} atoms seem to be shifted, since their numbers do not end in columns 38, 46 and 54, first "

@@ -31,6 +31,7 @@ constexpr double kNormalCell = 2e-3, kDistanceCell = 2e-4;
 /// Max numbers of pairs of boxes that are tested and of pairs of meshes that overlap, per triangle of a plane. Above
 /// them, all faces of later meshes move; for a stack of meshes that is the same.
 constexpr std::size_t kMaxBoxTests = 256, kMaxMeshPairs = 16;
+constexpr float kDown = 0.01f;  // of the component of a normal along up; less is rounding
 constexpr int kMaxLevel = 100;  // steps by which faces on top of each other are moved
 
 struct Triangle {
@@ -332,7 +333,7 @@ std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
       glm::vec3 normal = facing_normal(mesh, raised[last].triangle.face);
       if (glm::dot(normal, raised[last].side) < 0.0f) normal = -normal;
       for (int k = 0; k < 3; ++k) moves.push_back({point_of[corner[k]], normal, raised[last].level});
-      if (!is_blended)
+      if (!is_blended && glm::dot(normal, scene.up) < -kDown)
         add_moved_face(mesh, raised[last].triangle.face, -step * float(raised[last].level) * normal, back);
     }
     move_points(mesh, point_of, moves, step);

@@ -92,11 +92,14 @@ TEST(CoplanarFaces, AreInFrontOnTheSideOfTheEarlierNormals) {
   EXPECT_GT(heights(scene, 1).x, 7e-6f) << "a decal may be wound either way";
 }
 
-TEST(CoplanarFaces, AreInFrontOnTheOtherSideToo) {
+TEST(CoplanarFaces, ThatFaceDownAreInFrontFromAboveToo) {
   Scene scene = scene_of({rectangle({-1, -1}, {1, 1}, 0, 1, false), rectangle({-0.5f, -0.6f}, {0.7f, 0.5f}, 0, 1),
                           rectangle({-0.2f, -0.3f}, {0.4f, 0.3f}, 0, 1)});
   scene.meshes[1].colors.assign(scene.meshes[1].positions.size(), glm::vec3(1, 0, 0));
   scene.meshes[1].object = 1;
+  Scene upwards = scene;
+  scene.up = Frame().n;
+  upwards.up = -Frame().n;
   separate_coplanar_faces(scene);
   ASSERT_EQ(scene.meshes.size(), 5u);
   EXPECT_LT(heights(scene, 1).y, -7e-6f) << "the side of the earlier normals";
@@ -104,7 +107,10 @@ TEST(CoplanarFaces, AreInFrontOnTheOtherSideToo) {
   EXPECT_GT(heights(scene, 4).x, heights(scene, 3).y) << "the later mesh is in front there, too";
   EXPECT_EQ(scene.meshes[3].colors, std::vector<glm::vec3>(6, glm::vec3(1, 0, 0)));
   EXPECT_EQ(scene.meshes[3].object, 1);
-  Scene blended = scene_of({rectangle({-1, -1}, {1, 1}, 0, 1), rectangle({-0.5f, -0.6f}, {0.7f, 0.5f}, 0, 1)});
+  separate_coplanar_faces(upwards);
+  EXPECT_EQ(upwards.meshes.size(), 3u) << "faces that face up";
+  Scene blended = scene_of({rectangle({-1, -1}, {1, 1}, 0, 1, false), rectangle({-0.5f, -0.6f}, {0.7f, 0.5f}, 0, 1)});
+  blended.up = Frame().n;
   blended.materials[0].blended = true;
   separate_coplanar_faces(blended);
   EXPECT_EQ(blended.meshes.size(), 2u);

@@ -18,9 +18,9 @@ constexpr std::size_t kManyPoints = 100;
 constexpr double kFraction = 0.01;       // of vertices that may be bad numbers, at each end of an axis
 constexpr double kNoiseFraction = 0.1;   // of points that may be noise, at each end of an axis
 constexpr std::size_t kMinOfNoise = 8;   // at most one point in eight is noise
-constexpr float kCell = 4.0f;            // cells in which points of noise are alone, in spacings of a surface's points
+constexpr float kCell = 8.0f;            // cells in which points of noise are alone, in spacings of a surface's points
 constexpr float kFar = 3.0f;             // where noise is noticed, in sizes of the box of most points
-constexpr float kNear = 1.0f;            // where it begins then
+constexpr float kNear = 0.7f;            // where it begins then
 constexpr float kGap = 5.0f;             // empty space around the rest, in its sizes
 constexpr float kNeedle = 30.0f;         // where a vertex is a bad number, in sizes of the box of most vertices
 constexpr std::size_t kMinOfStrays = 3;  // at most one item in three is a stray
@@ -113,7 +113,8 @@ bool are_scattered(const std::vector<glm::vec3>& points, float cell) {
   }
   std::sort(cells.begin(), cells.end());
   const auto count = std::unique(cells.begin(), cells.end()) - cells.begin();
-  return 2 * std::size_t(count) > points.size();
+  constexpr std::size_t kMost = 3, kOf = 4;  // more than three of four are alone
+  return kOf * std::size_t(count) > kMost * points.size();
 }
 
 /// Returns the box of the points without noise; empty if there is none.

@@ -17,7 +17,7 @@ struct Strays {
 };
 
 /// Finds strays in a scene whose vertices are in the box `all`. If some of 100 or more points are outside of the box of
-/// 80 % of them along each axis by three times its size, all that are outside by its size are strays, as those of a
+/// 80 % of them along each axis by three times its size, all that are outside by 0.7 of it are strays, as those of a
 /// sparse reconstruction; unless they are more than one in eight, or close together, as those of a part. Strays among
 /// triangles, points of small sets, and the rest of a point set as a whole are up to a third of them, separated from
 /// the rest along an axis by an empty space of five times the size of the rest. A triangle with one corner that is 30

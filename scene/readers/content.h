@@ -1,4 +1,4 @@
-// The format of a model: by its content, else by its name. Files and standard input are told apart by the same rules.
+// The format of a model: by its content, else by its name. The same rules apply to files and to standard input.
 #pragma once
 #include <cstddef>
 #include <filesystem>

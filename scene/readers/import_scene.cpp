@@ -199,6 +199,7 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   warn(zeros, points, "points are at exactly 0 0 0, outside of all others,");
   const std::size_t dropped =
       finish_scene(scene, settings.crease_angle_deg, settings.points, poll, BoundsOf::kAllButStrays);
+  const std::size_t dropped_triangles = triangles - scene.triangle_count();
   separate_coplanar_faces(scene, poll);
   if (poll && poll->ended()) return interrupted();
   if (scene.meshes.empty() && points > 0) {
@@ -210,7 +211,6 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   }
   if (show_if_invisible(scene))
     scene.warnings.push_back("all surfaces of the model are transparent in the file; they are drawn opaque");
-  const std::size_t dropped_triangles = triangles - scene.triangle_count();
   if (points > 0) warn(dropped - dropped_triangles - zeros, points, "points are not finite");
   constexpr std::size_t kWarnOneIn = 4;  // one in four; fewer are common in CAD and not visible
   const std::size_t degenerate = dropped_triangles - damaged.out_of_range - damaged.not_finite;

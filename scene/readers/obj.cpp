@@ -91,7 +91,8 @@ bool ObjFile::has_maps() const {
 Result<ObjFile> open_obj(const fs::path& path, Poll* poll) {
   auto text = read_whole_file(path, poll);
   if (!text) return text.error();
-  ObjFile file{.path = path, .text = std::move(*text)};
+  const bool ends_in_line = !text->empty() && !text->ends_with('\n') && !text->ends_with('\r');
+  ObjFile file{.path = path, .text = std::move(*text), .ends_in_line = ends_in_line};
   normalize_lines(file.text);
   LibrarySearch search{FileFinder(path.parent_path()), poll};
   std::set<std::string> known, read;

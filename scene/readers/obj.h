@@ -17,6 +17,7 @@ namespace umbrage {
 struct ObjFile {
   std::filesystem::path path;
   std::string text;                              ///< prepared by normalize_lines
+  bool ends_in_line = false;                     ///< the text ended without a line end
   std::vector<std::filesystem::path> libraries;  ///< files that were read
   std::vector<std::string> missing_libraries;
   std::vector<MtlMaterial> materials;

@@ -56,7 +56,11 @@ Result<ObjScene> ObjMeshes::scene() {
     points_.add(block.points);
     curves_.add(block.curves);
   }
-  if (commas_.count > 0) return decimal_commas_error(name, line_number(file_.text, commas_.first));
+  constexpr std::size_t kMaxBad = 4;  // one in four
+  if (commas_.count * kMaxBad > vertex_lines) return decimal_commas_error(name, line_number(file_.text, commas_.first));
+  if (commas_.count > 0 && bad_positions_.count == 0)
+    result_.scene.warnings.push_back(fmt::format("numbers with decimal commas are not read, the first in line {}",
+                                                 line_number(file_.text, commas_.first)));
   if (face_count_ == 0 && vertex_lines == 0 && lines_.count == 0)
     return file_error("'{}' cannot be read as OBJ (it has no vertices and no faces)", name);
   if (face_count_ == 0 && lines_.count + curves_.count > 0)
@@ -361,6 +365,7 @@ void ObjMeshes::warn_of_elements() {
 }
 
 /// Adds a warning if the text ends with vertices for which there are no faces, as that of a file that is cut short.
+/// Vertices alone may be points, unless the last line has no end, or there are statements of meshes.
 void ObjMeshes::warn_of_missing_faces() {
   if (last_positions_ == 0 || lines_.count + points_.count + curves_.count > 0) return;
   const std::size_t first = positions_.size() - last_positions_;
@@ -368,10 +373,13 @@ void ObjMeshes::warn_of_missing_faces() {
     return std::any_of(block.corners.begin(), block.corners.end(),
                        [&](const ObjCorner& corner) { return corner.x >= 0 && std::size_t(corner.x) >= first; });
   };
-  if (face_count_ == 0)
+  const auto has_statements = [](const ObjBlock& block) { return !block.statements.empty(); };
+  const bool is_of_mesh = !uvs_.empty() || !file_.libraries.empty() || !file_.missing_libraries.empty() ||
+                          std::any_of(blocks_.begin(), blocks_.end(), has_statements);
+  if (face_count_ == 0 && (file_.ends_in_line || is_of_mesh))
     result_.scene.warnings.push_back(
         "the file has vertices and no faces, as if it were cut short; they are drawn as points");
-  else if (std::none_of(blocks_.begin(), blocks_.end(), uses_last))
+  else if (face_count_ > 0 && std::none_of(blocks_.begin(), blocks_.end(), uses_last))
     result_.scene.warnings.push_back(fmt::format(
         "the last {} vertices belong to no face: faces are missing, as if the file were cut short", last_positions_));
 }
