@@ -36,7 +36,7 @@ std::optional<glm::vec3> color_of(const aiMaterial& source, const char* key, uns
   return glm::vec3(color.r, color.g, color.b);
 }
 
-std::optional<float> number_of(const aiMaterial& source, const char* key, unsigned type, unsigned index) {
+std::optional<float> property_number(const aiMaterial& source, const char* key, unsigned type, unsigned index) {
   float value = 0.0f;
   if (source.Get(key, type, index, value) != AI_SUCCESS || !std::isfinite(value)) return std::nullopt;
   return value;
@@ -53,16 +53,16 @@ void set_highlight(const aiMaterial& source, Material& material) {
   source.Get(AI_MATKEY_SHADING_MODEL, model);
   if (model == aiShadingMode_NoShading || model == aiShadingMode_Flat || model == aiShadingMode_Gouraud) return;
   const std::optional<glm::vec3> specular = color_of(source, AI_MATKEY_COLOR_SPECULAR);
-  const std::optional<float> exponent = number_of(source, AI_MATKEY_SHININESS);
+  const std::optional<float> exponent = property_number(source, AI_MATKEY_SHININESS);
   if (!specular || !exponent || *exponent <= 0.0f) return;
-  const float fraction = number_of(source, AI_MATKEY_SHININESS_STRENGTH).value_or(1.0f);
+  const float fraction = property_number(source, AI_MATKEY_SHININESS_STRENGTH).value_or(1.0f);
   material.specular_strength = clamp_to_unit(std::max({specular->x, specular->y, specular->z}) * fraction);
   material.specular_exponent = std::clamp(*exponent, kMinExponent, kMaxExponent);
 }
 
 /// Sets the opacity. Some exporters write 0 where they mean that nothing is transparent.
 void set_opacity(const aiMaterial& source, Material& material) {
-  const float opacity = number_of(source, AI_MATKEY_OPACITY).value_or(1.0f);
+  const float opacity = property_number(source, AI_MATKEY_OPACITY).value_or(1.0f);
   if (!(opacity >= kMinOpacity && opacity < kOpaque)) return;
   material.blended = true;
   material.opacity = opacity;
@@ -72,7 +72,7 @@ void set_opacity(const aiMaterial& source, Material& material) {
 void set_emission(const aiMaterial& source, Material& material) {
   const auto emission = color_of(source, AI_MATKEY_COLOR_EMISSIVE);
   if (!emission || !texture_path(source, aiTextureType_EMISSIVE).empty()) return;
-  const float strength = number_of(source, AI_MATKEY_EMISSIVE_INTENSITY).value_or(1.0f);
+  const float strength = property_number(source, AI_MATKEY_EMISSIVE_INTENSITY).value_or(1.0f);
   for (int i = 0; i < 3; ++i) {
     const float channel = (*emission)[i] * strength;
     material.emission[i] = channel > 0.0f && std::isfinite(channel) ? channel : 0.0f;
