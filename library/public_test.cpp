@@ -172,7 +172,6 @@ Rendered rendered_solids(bool orthographic) {
                                     .look = "ao",
                                     .occlusion = "bitmask",
                                     .settings = {"bitmask.radius=0.7", "denoise.rounds=0"},
-                                    .anti_aliasing = 1,
                                     .width = 64,
                                     .height = 48,
                                     .device = "cpu",
@@ -180,6 +179,7 @@ Rendered rendered_solids(bool orthographic) {
                                                .focal_point = {{0, 1, 0}},
                                                .view_angle_deg = 40.0f,
                                                .orthographic = orthographic},
+                                    .anti_aliasing = 1,
                                     .passes = {"depth", "normal", "ao"}},
                                    r.picture);
   EXPECT_EQ(outcome.code, 0) << outcome.message;
