@@ -114,7 +114,7 @@ void decide_height(Deciding& d) {
   const double low = model.offset + model.scale * d.values.min, high = model.offset + model.scale * d.values.max;
   // The camera is above all cells, also above those that the sample missed.
   const double relief = std::max(std::abs(high - low), std::max(cell_x, cell_y));
-  model.eye_height = std::max(low, high) + relief;
+  model.eye_height = d.first ? d.first->depth.model.eye_height : std::max(low, high) + relief;
   Camera& camera = d.out.camera;
   camera.projection = Projection::kOrthographic;
   camera.right = float(cell_x * d.out.width / 2.0);
@@ -136,6 +136,7 @@ void decide_camera(Deciding& d, const KnownCamera& known) {
              : is_orthographic  ? "assumed; `window` sets another"
                                 : "assumed; `fov_deg` sets another";
     if (d.guess.fitted_fov && d.normals.empty()) source = "fitted so that flat surfaces are flat";
+    if (d.first) camera = d.first->camera, source = "as in the first frame";
     camera.view_from_world = view;
   }
   if (camera.projection == Projection::kOrthographic)
@@ -278,6 +279,14 @@ Result<void> decide_depth(Deciding& d, const KnownCamera& known) {
   auto guess = guess_depth(evidence);
   if (!guess) return guess.error();
   d.guess = std::move(*guess);
+  if (d.first) {
+    d.out.depth.from_position = d.first->depth.from_position;
+    d.out.depth.background = d.first->depth.background;
+    d.guess.trial.model = d.first->depth.model;
+    d.guess.is_relative = d.guess.assumes_planes = d.guess.may_be_buffer = false;
+    if (!d.out.depth.from_position) report_depth(d);
+    return {};
+  }
   if (known.source.empty() && !is_height && is_panorama(evidence.cells.balanced(kPanoramaCells), d.guess.trial))
     return panorama_error(d.header_of(Role::kDepth));
   if (d.out.depth.is_own) d.guess.reason = "as Umbrage writes it";
@@ -375,8 +384,9 @@ void warn_of_nan(Deciding& d, Role role) {
 std::string number_text(double value) { return fmt::format("{:.6g}", value); }
 
 Result<Conventions> decide_conventions(const GBufferSettings& settings, std::span<const LayeredFile> headers,
-                                       const Roles& roles, const Samples& samples, GBufferFacts& facts) {
-  Deciding d{settings, headers, roles, samples, facts, {}, {}, {}, {}, {}};
+                                       const Roles& roles, const Samples& samples, GBufferFacts& facts,
+                                       const Conventions* first) {
+  Deciding d{settings, headers, roles, samples, facts, {}, {}, {}, {}, {}, first};
   for (const LayeredFile& header : headers)
     if (header.attribute("envmap")) return panorama_error(header);
   d.out.width = samples.width;

@@ -53,9 +53,11 @@ struct Conventions {
 double stored_depth(const DepthConvention& depth, double stored);
 
 /// Decides all conventions, and adds a line to the facts for each. There is depth, or there are positions. Errors:
-/// kUsage for options that contradict each other; kFile for a colour picture that was taken for depth.
+/// kUsage for options that contradict each other; kFile for a colour picture that was taken for depth. `first`: as for
+/// GBufferFile::open.
 Result<Conventions> decide_conventions(const GBufferSettings& settings, std::span<const LayeredFile> headers,
-                                       const Roles& roles, const Samples& samples, GBufferFacts& facts);
+                                       const Roles& roles, const Samples& samples, GBufferFacts& facts,
+                                       const Conventions* first = nullptr);
 
 /// Returns the text for a number in messages: 3 to 6 digits.
 std::string number_text(double value);

@@ -25,6 +25,7 @@ struct Deciding {
   std::optional<ProjectionFit> position;
   DepthValues values;
   DepthGuess guess;
+  const Conventions* first = nullptr;  ///< of the first frame of a sequence
 
   const LayeredFile& header_of(Role role) const { return headers[std::size_t(roles[role].file)]; }
   /// Returns the first channel of a role, whose encoding is that of the others.

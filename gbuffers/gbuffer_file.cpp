@@ -245,8 +245,8 @@ GBufferFile::GBufferFile(GBufferFile&&) noexcept = default;
 GBufferFile& GBufferFile::operator=(GBufferFile&&) noexcept = default;
 GBufferFile::~GBufferFile() = default;
 
-Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double memory,
-                                      const std::string& scratch_folder) {
+Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double memory, const std::string& scratch_folder,
+                                      const Conventions* first) {
   auto state = std::make_unique<State>();
   state->memory = memory;
   auto opened = open_files(settings, state->facts);
@@ -273,7 +273,7 @@ Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double me
   if (!raw) return raw.error();
   const auto samples = sample(*raw, sample_reach(*opened), kSampleCount);
   if (!samples) return samples.error();
-  auto conventions = decide_conventions(settings, opened->headers, roles, *samples, state->facts);
+  auto conventions = decide_conventions(settings, opened->headers, roles, *samples, state->facts, first);
   if (!conventions) return conventions.error();
   for (std::string& sentence : unused_settings(settings, conventions->depth))
     state->facts.warnings.push_back(std::move(sentence));
@@ -311,6 +311,7 @@ Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double me
 
 const PictureInfo& GBufferFile::info() const { return state_->info; }
 const GBufferFacts& GBufferFile::facts() const { return state_->facts; }
+const Conventions& GBufferFile::conventions() const { return state_->conversion.conventions; }
 const std::vector<std::string>& GBufferFile::plane_names() const { return state_->names; }
 bool GBufferFile::has_plane(std::string_view name) const { return contains(state_->names, name); }
 

@@ -15,6 +15,8 @@
 
 namespace umbrage {
 
+struct Conventions;
+
 /// What was understood about a G-buffer.
 struct GBufferFacts {
   std::vector<std::string> lines;     ///< one per fact: "depth: ViewLayer.Depth.Z, planar, background 1e+10"
@@ -31,8 +33,11 @@ class GBufferFile {
  public:
   /// Opens the files and recognises what they hold. `memory`: bytes that may be used for pixels; stored values that
   /// need more than a quarter of it are kept in an unnamed file in `scratch_folder`. Errors: kUsage; kFile, also if
-  /// there is neither depth nor position, listing the layers that there are.
-  static Result<GBufferFile> open(const GBufferSettings& settings, double memory, const std::string& scratch_folder);
+  /// there is neither depth nor position, listing the layers that there are. `first`: conventions of the first frame of
+  /// a sequence, or null. A later frame takes the meaning of depth from them, and the camera's window if no file tells
+  /// it.
+  static Result<GBufferFile> open(const GBufferSettings& settings, double memory, const std::string& scratch_folder,
+                                  const Conventions* first = nullptr);
   GBufferFile(GBufferFile&&) noexcept;
   GBufferFile& operator=(GBufferFile&&) noexcept;
   ~GBufferFile();
@@ -40,6 +45,7 @@ class GBufferFile {
   /// Returns size, camera, scene_radius and depth range of the picture; no lights.
   const PictureInfo& info() const;
   const GBufferFacts& facts() const;
+  const Conventions& conventions() const;
   /// Returns the names of the planes that rows() returns.
   const std::vector<std::string>& plane_names() const;
   bool has_plane(std::string_view name) const;

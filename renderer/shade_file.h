@@ -1,6 +1,7 @@
 // Shades the G-buffer in image files, whole or in strips.
 #pragma once
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,9 +19,10 @@ Result<Recipe> make_file_recipe(const Request& request, const GBufferFile& file)
 
 /// What later frames of a sequence take from the first one, so that the picture does not change from frame to frame.
 struct SequenceStart {
-  float scene_radius = 0.0f;                 ///< see GBufferSettings::scene_radius
-  std::optional<float> stops;                ///< exposure by metering
-  float depth_min = 0.0f, depth_max = 0.0f;  ///< see PictureInfo; both 0: of the frame itself
+  float scene_radius = 0.0f;                            ///< see GBufferSettings::scene_radius
+  std::optional<float> stops;                           ///< exposure by metering
+  float depth_min = 0.0f, depth_max = 0.0f;             ///< see PictureInfo; both 0: of the frame itself
+  std::shared_ptr<const Conventions> conventions = {};  ///< for GBufferFile::open; null: of the frame itself
 };
 
 /// Sets what a later frame takes from the first one. Returns `info` unchanged if `start` is empty.

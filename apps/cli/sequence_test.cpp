@@ -58,6 +58,25 @@ TEST_F(SequenceTest, FramesTakeTheRadiusOfTheFirst) {
   for (int frame = 0; frame < 5; ++frame) EXPECT_EQ(picture("all", frame), picture("out", frame));
 }
 
+// The depth of 8-bit disparity is relative to the range of a frame: if each frame had its own, an object that enters
+// would move all others.
+TEST_F(SequenceTest, DepthMeansTheSameInAllFrames) {
+  for (int frame = 0; frame < 2; ++frame) {
+    Image grey(64, 48);
+    Plane& plane = grey.add("grey") = Plane(64, 48);
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 64; ++x)
+        plane.at(x, y) = frame == 1 && x < 16 && y > 20 ? 1.0f : float(40 + y + x % 2) / 255.0f;
+    ASSERT_TRUE(write_image(folder_ / fmt::format("depth.{:04}.png", frame), grey));
+  }
+  good("shade depth.####.png --depth-kind disparity -o out.####.exr --passes depth --device cpu --repair off");
+  const Image before = image("out.0000.exr"), after = image("out.0001.exr");
+  const Plane &a = before.plane("depth"), &b = after.plane("depth");
+  for (int y = 2; y < 46; ++y)
+    for (int x = 24; x < 60; ++x) EXPECT_EQ(a.at(x, y), b.at(x, y)) << x << ' ' << y;
+  EXPECT_LT(b.at(8, 30), a.at(8, 30));
+}
+
 TEST_F(SequenceTest, AFailureDoesNotStopTheOthers) {
   make_inputs(8);
   fs::resize_file(input(3), 3000);

@@ -14,6 +14,7 @@
 #include "core/lists.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
+#include "gbuffers/conventions.h"
 #include "gbuffers/roles.h"
 #include "io/layers.h"
 #include "io/svg.h"
@@ -259,7 +260,8 @@ Result<double> shading_bytes(const Device& device, const GBufferFile& file, cons
 
 Result<SequenceStart> shade_frame(const ShadeOptions& given, const ShadeFrame& frame, Device& device,
                                   StageTimes& times) {
-  const auto file = GBufferFile::open(frame.gbuffer, frame.memory, scratch_folder(frame.output));
+  const auto file = GBufferFile::open(frame.gbuffer, frame.memory, scratch_folder(frame.output),
+                                      frame.start ? frame.start->conventions.get() : nullptr);
   if (!file) return file.error();
   ShadeOptions o = given;
   o.request.gbuffer = frame.gbuffer;
@@ -300,6 +302,7 @@ Result<SequenceStart> shade_frame(const ShadeOptions& given, const ShadeFrame& f
           auto shaded = shade_file(device, *file, recipe, writing.planes, take_rows, frame.start, times, frame.monitor);
           if (!shaded) return shaded.error();
           used = *shaded;
+          used.conventions = std::make_shared<Conventions>(file->conventions());
           return {};
         });
   };
