@@ -1,6 +1,7 @@
 #include "apps/cli/frame_names.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <filesystem>
 #include <optional>
@@ -15,6 +16,16 @@ struct NumberPlace {
   std::size_t begin = 0, end = 0;
   int digits = 1;
 };
+
+/// Returns a name with $F4, as Houdini writes a frame number, as %04d, and $F as %d.
+std::string with_percent(std::string name) {
+  for (std::size_t at = name.find("$F"); at != std::string::npos; at = name.find("$F", at + 1)) {
+    const std::size_t end = std::min(name.find_first_not_of("0123456789", at + 2), name.size());
+    if (end > at + 3 || (end < name.size() && std::isalpha(static_cast<unsigned char>(name[end])))) continue;
+    name.replace(at, end - at, end == at + 2 ? "%d" : fmt::format("%0{}d", name[at + 2]));
+  }
+  return name;
+}
 
 /// Returns the number that begins at `at`, with # or %; nullopt if these characters are none.
 std::optional<NumberPlace> number_at(const std::string& name, std::size_t at) {
@@ -61,7 +72,8 @@ std::vector<int> FrameNames::existing() const {
   return frames;
 }
 
-bool has_frame_number(const std::string& name) {
+bool has_frame_number(const std::string& given) {
+  const std::string name = with_percent(given);
   for (std::size_t at = 0; at < name.size(); ++at) {
     if (name[at] != '%' && name[at] != '#') continue;
     const bool begins = at == 0 || name[at - 1] != '#';  // further # belong to the same number
@@ -71,7 +83,8 @@ bool has_frame_number(const std::string& name) {
   return false;
 }
 
-Result<FrameNames> frame_names(const std::string& name, std::string_view option) {
+Result<FrameNames> frame_names(const std::string& given, std::string_view option) {
+  const std::string name = with_percent(given);
   FrameNames names;
   bool numbered = false;
   for (std::size_t at = 0; at < name.size(); ++at) {
@@ -86,7 +99,7 @@ Result<FrameNames> frame_names(const std::string& name, std::string_view option)
     if (!place || numbered)
       return usage_error(
           "{} cannot be '{}': it takes one frame number, such as #### or %04d; write %% for a percent sign", option,
-          name);
+          given);
     names.digits = place->digits;
     numbered = true;
     at = place->end - 1;

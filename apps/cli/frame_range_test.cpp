@@ -107,7 +107,7 @@ TEST(FrameRange, ReadsTheTaskOfASlurmArray) {
 }
 
 TEST(FrameNamesOf, NumbersHaveTwoNotations) {
-  for (const char* name : {"a/shot.####.exr", "a/shot.%04d.exr"}) {
+  for (const char* name : {"a/shot.####.exr", "a/shot.%04d.exr", "a/shot.$F4.exr"}) {
     EXPECT_TRUE(has_frame_number(name)) << name;
     const auto names = frame_names(name, "--output");
     ASSERT_TRUE(names);
@@ -116,7 +116,8 @@ TEST(FrameNamesOf, NumbersHaveTwoNotations) {
   }
   EXPECT_EQ(frame_names("x#.png", "")->of(12), "x12.png");
   EXPECT_EQ(frame_names("x%%#.png", "")->of(1), "x%1.png");
-  for (const char* name : {"shot.exr", "100%.exr", "a%%d.exr", "%s.exr", "%4d.exr", "shot.##########.exr"})
+  for (const char* name :
+       {"shot.exr", "100%.exr", "a%%d.exr", "%s.exr", "%4d.exr", "shot.##########.exr", "a$Fox.exr", "a$F44.exr"})
     EXPECT_FALSE(has_frame_number(name)) << name;
   EXPECT_FALSE(frame_names("##.##.exr", "--output"));
 }
