@@ -61,6 +61,10 @@ struct GBufferSettings {
   /// view-aligned box that contains nearly all visible points.
   float scene_radius = 0.0f;
 
+  /// Pictures of one job are frames of a sequence: later ones take the meaning of depth, the scene radius, the range of
+  /// depth and the exposure from the first.
+  bool sequence = false;
+
   // Result.
   std::string repair = "auto";  ///< "on", "off", "auto": whether averaged depths and ids at edges are repaired
   int reduction = 1;            ///< the finished picture is reduced by this factor: 1 to 8

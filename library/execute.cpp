@@ -6,6 +6,7 @@
 
 #include "core/lists.h"
 #include "effects/output/output.h"
+#include "gbuffers/conventions.h"
 #include "library/job.h"
 #include "library/shared.h"
 #include "renderer/passes.h"
@@ -279,6 +280,7 @@ Result<Frame> JobObject::draw_frame(const Plan& plan) {
 }
 
 Result<Frame> JobObject::shade_frame(const Request& request, const Recipe& recipe) {
+  if (!request.gbuffer.sequence) start_.reset();
   for (const Output& output : outputs_)  // images are read until all outputs are written
     for (const NamedImage& named : images_)
       if (overlap(output.image, named.image))
@@ -288,15 +290,20 @@ Result<Frame> JobObject::shade_frame(const Request& request, const Recipe& recip
   counters.planes_copied += shared->copied;
   ids_ = std::move(shared->ids);
   StageTimes times;
-  auto picture = shade_planes(*device_->device, std::move(shared->gbuffer), recipe, times, progress);
+  shared->gbuffer.info = started(shared->gbuffer.info, start_);
+  auto picture = shade_planes(*device_->device, std::move(shared->gbuffer), recipe, times, progress,
+                              start_ ? start_->stops : std::nullopt);
   if (!picture) return picture.error();
+  if (request.gbuffer.sequence && !start_) start_ = start_of(picture->frame.info, picture->stops.value_or(0.0f));
   return std::move(picture->frame);
 }
 
 Result<GBufferFile> JobObject::open_files() {
   // Pixels of the caller are in memory, so the picture is shaded whole, too.
   constexpr double kAnyMemory = std::numeric_limits<double>::infinity();
-  auto file = device_->arena.execute([&] { return GBufferFile::open(request_.gbuffer, kAnyMemory, ""); });
+  if (!request_.gbuffer.sequence) start_.reset();
+  const Conventions* first = start_ ? start_->conventions.get() : nullptr;
+  auto file = device_->arena.execute([&] { return GBufferFile::open(request_.gbuffer, kAnyMemory, "", first); });
   if (!file) return file;
   const long pixels = long(file->info().width) * file->info().height;
   if (pixels > kMaxPixels)
@@ -312,8 +319,12 @@ Result<GBufferFile> JobObject::open_files() {
 Result<Frame> JobObject::shade_files(const GBufferFile& file, const Recipe& recipe) {
   ids_.clear();
   StageTimes times;
-  auto shaded = shade_whole_file(*device_->device, file, recipe, {}, times, progress);
+  auto shaded = shade_whole_file(*device_->device, file, recipe, start_, times, progress);
   if (!shaded) return shaded.error();
+  if (request_.gbuffer.sequence && !start_) {
+    start_ = shaded->start;
+    start_->conventions = std::make_shared<Conventions>(file.conventions());
+  }
   camera = shaded->frame.info.camera;
   origin = glm::dvec3(0.0);
   return std::move(shaded->frame);

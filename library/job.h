@@ -119,10 +119,11 @@ class JobObject final : public Object {
   Request request_;
   std::map<std::string, std::string> settings_;  // of effects, by "effect.parameter"
   std::vector<NamedImage> images_;
-  std::vector<Output> outputs_;        // requested by the caller
-  std::vector<Output> results_;        // of the last execution
-  SharedIds ids_;                      // of the last G-buffer
-  std::vector<std::string> reported_;  // the last warnings of settings without effect
+  std::vector<Output> outputs_;         // requested by the caller
+  std::vector<Output> results_;         // of the last execution
+  SharedIds ids_;                       // of the last G-buffer
+  std::optional<SequenceStart> start_;  // of a sequence: of its first picture
+  std::vector<std::string> reported_;   // the last warnings of settings without effect
 
   // Data of the last picture of a scene:
   CompletedScene completed_;

@@ -1,9 +1,11 @@
 #include "library/lens.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "gbuffers/camera_guess.h"
+#include "gbuffers/depth_guess.h"
 #include "renderer/recipe.h"
 
 namespace umbrage {
@@ -17,9 +19,13 @@ DepthMeaning meaning_in_memory(DepthMeaning given) {
 
 Lens lens_of(const Request& request) {
   const GBufferSettings& g = request.gbuffer;
-  std::vector<float> window = g.window.empty() ? std::vector<float>{-1, 1, -1, 1} : g.window;
-  if (const auto camera = camera_of_intrinsics(g.focal_length_px, request.width, request.height))
-    window = {camera->left, camera->right, camera->bottom, camera->top};
+  std::vector<float> window = g.window;
+  if (window.empty()) {
+    const auto given = camera_of_intrinsics(g.focal_length_px, request.width, request.height);
+    const Camera camera =
+        given.value_or(assumed_camera(g.orthographic, double(request.width) / std::max(request.height, 1)));
+    window = {camera.left, camera.right, camera.bottom, camera.top};
+  }
   return {.width = request.width,
           .height = request.height,
           .depth_kind = meaning_in_memory(DepthMeaning(choice_index("depth_kind", g.depth_kind))),

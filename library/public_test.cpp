@@ -613,7 +613,7 @@ TEST(Public, IdsKeepAllBits) {
   umb::ShadeRequest request;
   request.width = width;
   request.height = height;
-  request.top = 0.5f, request.bottom = -0.5f;
+  request.top = 0.5f, request.bottom = -0.5f, request.right = 1.0f, request.left = -1.0f;
   request.device = "cpu";
   request.effects = {"outline"};
   request.passes = {"object_id", "outline"};

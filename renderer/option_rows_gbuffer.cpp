@@ -127,7 +127,7 @@ std::vector<Option> space_options() {
       with_form(row("window", "window",
                     "left, right, bottom and top of the window that the picture fills: at distance 1, or in scene "
                     "units for an orthographic camera",
-                    "as the file says, else fitted to normals; -1,1,-1,1 for images in memory",
+                    "as the file says, else fitted to normals, else 55 degrees or 2 scene units high",
                     in_gbuffer<&GBufferSettings::window>),
                 OptionForm::kWindow),
       with_range(row("fov_deg", "fov", "vertical field of view in degrees",
@@ -146,6 +146,11 @@ std::vector<Option> space_options() {
                      "bounding-sphere radius, the base of relative lengths; 0: derived from the depth", "0",
                      in_gbuffer<&GBufferSettings::scene_radius>),
                  0.0, kMaxDistance, "scene units"),
+      row("sequence", "",
+          "pictures are frames of a sequence: later ones take the meaning of depth, the radius and the exposure from "
+          "the "
+          "first",
+          "", in_gbuffer<&GBufferSettings::sequence>),
       with_range(row("reduction", "reduction", "factor by which the finished picture is reduced", "1",
                      in_gbuffer<&GBufferSettings::reduction>),
                  1, 8),

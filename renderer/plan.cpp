@@ -291,6 +291,7 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   if (!plan || !meters_picture(*plan) || is_inside_scene(plan->camera, scene)) return plan;
   Recipe usual = recipe;
   usual.framing = usual_view(recipe.framing);
+  usual.capture.lighting.reset();  // that of the first picture of several, with lights placed for its camera
   usual.width = usual.height = usual.capture.width = usual.capture.height = kMeteredSide;
   auto metered = plan_of_view(usual, scene, threads, monitor);
   if (!metered) return metered;

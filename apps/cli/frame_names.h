@@ -16,7 +16,7 @@ struct FrameNames {
   std::vector<int> existing() const;
 };
 
-/// Returns whether a name has a frame number: ####, %d or %04d.
+/// Returns whether a name has a frame number: ####, %d, %04d, $F or $F4.
 bool has_frame_number(const std::string& name);
 
 /// Parses a name with a frame number; without one, _0000 is inserted before the extension. `option`: for errors.

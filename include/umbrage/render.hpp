@@ -160,7 +160,8 @@ inline void set_all(const ShadeRequest& r, Setter& set) {
   set("scene_radius", r.scene_radius);
   if (r.files.empty()) {
     set("view_from_normal", r.view_from_normal);
-    set("window", std::array<float, 4>{r.left, r.right, r.bottom, r.top});
+    const std::array<float, 4> window = {r.left, r.right, r.bottom, r.top};
+    if (window != std::array<float, 4>{}) set("window", window);
   }
   set("file", r.files.file);
   set("depth_file", r.files.depth_file);

@@ -218,8 +218,8 @@ struct ShadeRequest {
   std::array<float, 9> view_from_normal = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   bool orthographic = false;
   /// View window of the picture: at distance 1, or in scene units for an orthographic camera. For a perspective camera
-  /// top is tan(angle / 2) and right is top * width / height.
-  float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;
+  /// top is tan(angle / 2) and right is top * width / height. All 0: 55 degrees high, or 2 scene units.
+  float left = 0.0f, right = 0.0f, bottom = 0.0f, top = 0.0f;
   /// Bounding-sphere radius of the shaded surfaces, scene units; relative lengths refer to it. 0: half the diagonal of
   /// the view-aligned box that contains nearly all visible surfaces.
   float scene_radius = 0.0f;

@@ -164,13 +164,23 @@ class Arguments(unittest.TestCase):
         wide = shade(self.depth, fov=60).picture
         np.testing.assert_array_equal(wide, shade(self.depth, window=window).picture)
         self.assertTrue((wide != shade(self.depth).picture).any())
-        np.testing.assert_array_equal(shade(self.depth).picture, shade(self.depth, fov=40).picture)
+        np.testing.assert_array_equal(shade(self.depth).picture, shade(self.depth, fov=55).picture)
         shade(self.depth, orthographic=True, window=(-1.5, 1.5, -1, 1))
         near, far = 1.0, 10.0
         buffer = far * (self.depth - near) / (self.depth * (far - near))
         seen = shade(buffer, depth_kind="window", near=near, far=far, passes="depth")["depth"]
         np.testing.assert_allclose(seen, self.depth, rtol=1e-4)
         self.assertEqual(shade(self.depth, view_from_normal=np.eye(3)).height, 32)
+
+    def test_sequences(self) -> None:
+        before = plane_depth()
+        after = before.copy()
+        after[:4, :4] *= 40  # a far object enters
+        for sequence in (False, True):
+            with umbrage.Shader(look="ao", settings={"bitmask.radius": "5%"}, device="cpu", sequence=sequence) as shader:
+                first, second = shader.shade(before).picture, shader.shade(after).picture
+            same = (first[16:, 16:] == second[16:, 16:]).all()
+            self.assertEqual(same, sequence)
 
     def test_effects(self) -> None:
         made = shade(self.depth, effects=("bitmask", "denoise"))

@@ -212,10 +212,10 @@ class Shader(Job):
             for name, array in arrays.items():
                 if memory is not None and memory.size and share_memory(memory, array):
                     raise UsageError(f"the output `{output}` and the input `{name}` share memory that is still read")
-        if self._window is None and self._values.get("focal_length_px") is None and height > 0:
-            top = math.tan(math.radians(40.0 if self._fov is None else self._fov) / 2)
+        if self._window is None and height > 0:
+            top = math.tan(math.radians(self._fov or 0.0) / 2)
             right = top * width / height
-            self._set("window", (-right, right, -top, top))
+            self._set("window", (-right, right, -top, top) if self._fov else None)
         is_set: List[bytes] = []
         try:
             for name, array in arrays.items():
@@ -312,7 +312,7 @@ def shade(
     Arrays: NumPy, torch (CPU), or any object with the buffer protocol, `__array_interface__` or DLPack; float32,
     float16, uint8 or uint16, whose 255 and 65535 mean 1. Arrays of these types are not copied, whatever their strides
     are.
-    fov: vertical field of view, degrees; default: 40; of files: as the file says, else fitted, else 55.
+    fov: vertical field of view, degrees; default: 55; of files: as the file says, else fitted, else 55.
     intrinsics: used instead of `fov`: the 3 x 3 matrix of a pinhole camera, in pixels, or in widths and heights of the
     picture; or `focal_length_px`, one number or (fx, fy, cx, cy).
     window: used instead of `fov`: (left, right, bottom, top) at distance 1, or in scene units for `orthographic`.
