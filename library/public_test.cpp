@@ -385,7 +385,7 @@ TEST(Public, ReportsErrorsOfArrays) {
           "layer1.depth");
   refused([](Request& r) { r.depth_kind = umb::DepthKind::kWindow, r.near_plane = 0.0f; }, "near_plane");
   refused([](Request& r) { r.depth_kind = umb::DepthKind::kReversed, r.orthographic = true; }, "far_plane");
-  refused([](Request& r) { r.right = r.left; }, "window");
+  refused([](Request& r) { r.right = r.left = 1.0f; }, "window");
   refused([](Request& r) { r.scene_radius = -1.0f; }, "scene_radius");
   refused([](Request& r) { r.view_from_normal[4] = NAN; }, "view_from_normal");
   refused([](Request& r) { r.look = "aoo"; }, "aoo");

@@ -101,6 +101,7 @@ class Passes {
       const int reduced = planes_[std::size_t(each.plane)].second;
       const double area = 1.0 / double(reduced * reduced);
       needs.whole_planes += area;
+      if (reduced == 1) needs.whole_names.push_back(planes_[std::size_t(each.plane)].first);
       if (each.pass >= 0) needs.not_stored += area;
     }
     return needs;

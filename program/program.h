@@ -129,9 +129,10 @@ using Margins = std::map<std::string, Margin>;  ///< of planes, by name
 
 /// What the strips of a picture need.
 struct StripNeeds {
-  std::vector<Margins> sweeps;  ///< margins of the planes of a frame at first, for each sweep over the strips
-  double whole_planes = 0.0;    ///< planes of the whole picture, at full resolution: see core/strip.h
-  double not_stored = 0.0;      ///< those of them that the frames of strips do not have, too
+  std::vector<Margins> sweeps;           ///< margins of the planes of a frame at first, for each sweep over the strips
+  double whole_planes = 0.0;             ///< planes of the whole picture, at full resolution: see core/strip.h
+  std::vector<std::string> whole_names;  ///< of those at full resolution
+  double not_stored = 0.0;               ///< those of them that the frames of strips do not have, too
 };
 
 /// Returns the margins that the planes of a frame need at first, so that after the steps `before` and a run planes have

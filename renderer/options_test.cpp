@@ -25,7 +25,7 @@ TEST(Options, NamesAreUnique) {
   for (const Option& o : options()) {
     EXPECT_TRUE(fields.insert(o.field).second) << o.field;
     if (o.commands == 0) continue;
-    EXPECT_TRUE(words.insert(o.option).second) << o.option;
+    EXPECT_TRUE(o.option.empty() || words.insert(o.option).second) << o.option;
     EXPECT_FALSE(o.group.empty()) << o.field;
     EXPECT_FALSE(o.help.empty()) << o.field;
   }

@@ -276,7 +276,6 @@ Framing usual_view(const Framing& given) {
   Framing framing;
   framing.view_up = given.view_up;
   framing.usual_view_angle_deg = given.usual_view_angle_deg;
-  framing.shows_horizon = given.shows_horizon;
   framing.margin = given.margin;
   framing.centers_shadow = given.centers_shadow;
   framing.light_deg = given.light_deg;

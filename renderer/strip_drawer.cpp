@@ -66,7 +66,7 @@ Result<StripSizes> plan_strips(const Device& device, const StripSource& source, 
   const double margins = 2.0 * margin_of(source, needs);
   const std::vector<std::string_view> edges = edge_planes(source.lines, layers);
   const auto of_lines = std::count_if(edges.begin(), edges.end(), [&](std::string_view name) {
-    return source.run.wanted && contains(*source.run.wanted, name);
+    return source.run.wanted && contains(*source.run.wanted, name) && !contains(needs.whole_names, name);
   });
   const double fixed = kFixed + plane * (needs.whole_planes + double(of_lines) + sum.held);
   const auto bytes = [&](int rows) {
@@ -92,13 +92,13 @@ Result<Strokes> StripDrawer::draw_picture(const std::vector<std::string>& planes
   const auto whole_planes = std::make_shared<WholePlanes>();
   Margins after = source_.after;
   for (const std::string& name : planes) after.emplace(name, Margin{});
-  edges_ = Image(source_.info.width, height);
-  if (lines)
-    for (const std::string_view name : edge_planes(source_.lines, int(source_.info.more_layers.size()) + 1)) {
-      edges_.add(name) = Plane(edges_.width, height);
-      after.emplace(name, Margin{});
-    }
+  std::vector<std::string_view> edges;
+  if (lines) edges = edge_planes(source_.lines, int(source_.info.more_layers.size()) + 1);
+  for (const std::string_view name : edges) after.emplace(name, Margin{});
   const StripNeeds needs = needs_of_strips(source_.run, source_.info, source_.before, source_.given.names, after);
+  edges_ = Image(source_.info.width, height);
+  for (const std::string_view name : edges)
+    if (!contains(needs.whole_names, name)) edges_.add(name) = Plane(edges_.width, height);
   bool finished = false;
   const auto sweeps = double(needs.sweeps.size());
   for (std::size_t sweep = 0; sweep < needs.sweeps.size(); ++sweep) {
@@ -117,10 +117,14 @@ Result<Strokes> StripDrawer::draw_picture(const std::vector<std::string>& planes
     if (metered_in_sweep_) source_.run.stops = metering_.stops(stops_from_lights_);
   }
   if (!finished) fail_check("a picture in strips needs more sweeps than were planned");
-  return lines ? traced_strokes(info_, edges_, source_.lines, device_.threads()) : Strokes();
+  if (!lines) return Strokes();
+  for (auto& [key, entry] : whole_planes->planes)
+    if (const auto& [reduced, name, version] = key; reduced == info_.reduced && contains(edges, name))
+      edges_.add(name) = std::move(entry.plane);
+  return traced_strokes(info_, edges_, source_.lines, device_.threads());
 }
 
-/// Adds the rows of a finished strip to the planes from which lines are traced.
+/// Adds the rows of a finished strip to the planes from which lines are traced, besides those that dispatches gather.
 Result<void> StripDrawer::add_edges(const Frame& frame, const Rows& rows) {
   if (edges_.names.empty()) return {};
   const auto part = device_.download_with_guard(frame, edges_.names);

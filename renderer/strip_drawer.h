@@ -84,7 +84,7 @@ class StripDrawer {
   float stops_ = 0.0f;
   bool metered_in_sweep_ = false;  // whether the sweep collects values for metering
   PictureInfo info_;
-  Image edges_;  // planes from which lines are traced, with the guard band; none if no lines are
+  Image edges_;  // planes from which lines are traced, with the guard band
   std::optional<ScopedPlanePool> kept_;
   int kept_rows_ = 0;
   int first_ = 0;  // first inner row of the strip

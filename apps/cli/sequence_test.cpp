@@ -69,7 +69,9 @@ TEST_F(SequenceTest, DepthMeansTheSameInAllFrames) {
         plane.at(x, y) = frame == 1 && x < 16 && y > 20 ? 1.0f : float(40 + y + x % 2) / 255.0f;
     ASSERT_TRUE(write_image(folder_ / fmt::format("depth.{:04}.png", frame), grey));
   }
-  good("shade depth.####.png --depth-kind disparity -o out.####.exr --passes depth --device cpu --repair off");
+  EXPECT_EQ(
+      run("shade depth.####.png --depth-kind disparity -o out.####.exr --passes depth --device cpu --repair off").code,
+      0);
   const Image before = image("out.0000.exr"), after = image("out.0001.exr");
   const Plane &a = before.plane("depth"), &b = after.plane("depth");
   for (int y = 2; y < 46; ++y)
@@ -212,8 +214,8 @@ TEST_F(SequenceTest, TurntablesAreSequencesToo) {
   }
 }
 
-TEST_F(SequenceTest, ShardsOfATurntableHaveTheExposureOfItsFirstFrame) {
-  // One side of the cube is emissive: metered alone, the frame that shows it would be darker.
+TEST_F(SequenceTest, ShardsOfATurntableHaveOneExposure) {
+  // One side of the cube is emissive: metered by its own view, the frame that shows it would be darker.
   write("cube.mtl", "newmtl side\nKd 0.2 0.2 0.2\nnewmtl back\nKd 0.2 0.2 0.2\nKe 3 3 3\n");
   write("cube.obj",
         "mtllib cube.mtl\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 2 -1\nv 1 2 -1\nv 1 2 1\nv -1 2 1\n"
@@ -222,10 +224,10 @@ TEST_F(SequenceTest, ShardsOfATurntableHaveTheExposureOfItsFirstFrame) {
       "cube.obj --device cpu --resolution 48x36 --ao none --camera-position 0,9,4 --camera-focal-point 0,1,0 ";
   good(line + "-o whole.##.png --turntable 2");
   good(line + "-o part.##.png --turntable 2 --shard 2/2");
-  good(line + "-o alone.png --camera-azimuth-angle 180");
   EXPECT_FALSE(fs::exists(folder_ / "part.00.png"));
   EXPECT_EQ(text_of(folder_ / "part.01.png"), text_of(folder_ / "whole.01.png"));
-  EXPECT_NE(text_of(folder_ / "part.01.png"), text_of(folder_ / "alone.png"));
+  good(line + "-o first.png");
+  EXPECT_EQ(text_of(folder_ / "whole.00.png"), text_of(folder_ / "first.png"));
 }
 
 }  // namespace

@@ -472,8 +472,9 @@ TEST(Upsample, EveryTechniqueKeepsItsStrength) {
     if (effect->kind != EffectKind::kOcclusion || effect->filters_itself) continue;
     SCOPED_TRACE(effect->name);
     // The window of `unsharp` must be an integer number of pixels at half resolution too.
-    std::vector<std::string> settings = {"unsharp.kernel=42", "unsharp.linearization=extent",
-                                         "unsharp.background=ignore"};
+    std::vector<std::string> settings = {"unsharp.kernel=42",         "unsharp.linearization=extent",
+                                         "unsharp.background=ignore", "unsharp.threshold=0.02",
+                                         "unsharp.strength=20",       "unsharp.white_edge=on"};
     settings.insert(settings.end(), kHemisphere.begin(), kHemisphere.end());
     Plane depth;
     const Plane full = renderer.ao({511, 383}, false, 10, 1, effect->name, settings, &depth);
