@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "reference/reference.h"
+
 namespace umbrage {
 namespace {
 
@@ -31,6 +33,11 @@ Result<std::optional<float>> metered_exposure(const Drawing& drawing, const Plan
   small.marked = false;
   const Camera camera = begin_picture(small, {.blended = small.has_blended});
   make_small(small);
+  if (small.recipe.occlusion == reference_effect().name) {
+    constexpr int kMaxSamples = 16;  // enough for a median
+    int& samples = as<ReferenceParams>(params_of(small.recipe.settings, small.recipe.occlusion)).samples;
+    samples = std::min(samples, kMaxSamples);
+  }
   auto frame = drawing.device.capture(camera, small.capture, drawing.run.monitor);
   if (!frame) return frame.error();
   std::optional<float> stops;
