@@ -7,15 +7,11 @@ namespace umbrage {
 namespace {
 
 using test::Hit;
+using test::scene;
 using test::TestFile;
 using test::TestScene;
 using test::understand;
 using test::Understood;
-
-const TestScene& scene() {
-  static const TestScene made;
-  return made;
-}
 
 /// Depth, relative to the true one, and normals of a result against the scene's. `up_to_scale`: the unit of depth is
 /// free.

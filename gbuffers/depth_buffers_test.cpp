@@ -8,34 +8,15 @@
 namespace umbrage {
 namespace {
 
+using test::grey_png;
+using test::has_warning;
 using test::Hit;
+using test::hit_at;
+using test::scene;
 using test::TestFile;
 using test::TestScene;
 using test::understand;
 using test::Understood;
-
-const TestScene& scene() {
-  static const TestScene made;
-  return made;
-}
-
-const Hit& hit_at(int x, int y) { return scene().hits[std::size_t(y * scene().width + x)]; }
-
-bool has_warning(const Understood& got, std::string_view word) {
-  for (const std::string& warning : got.facts.warnings)
-    if (warning.find(word) != std::string::npos) return true;
-  return false;
-}
-
-/// A grey PNG without layers, with integers up to `max`.
-TestFile grey_png(double max, float none, const std::function<double(const Hit&)>& value) {
-  TestFile file(scene(), "PNG");
-  file.max_integer = max;
-  file.add(
-      "Y", none, [&](const Hit& hit) { return std::round(value(hit)); },
-      max > 255.0 ? ChannelType::kUint16 : ChannelType::kUint8);
-  return file;
-}
 
 /// The value of a depth buffer with the planes 2 and 40.
 double window_of(const Hit& hit) { return 40.0 * (hit.depth - 2.0) / (hit.depth * 38.0); }

@@ -12,15 +12,10 @@ namespace umbrage {
 namespace {
 
 using test::Hit;
+using test::scene;
 using test::TestFile;
-using test::TestScene;
 using test::understand;
 using test::Understood;
-
-const TestScene& scene() {
-  static const TestScene made;
-  return made;
-}
 
 double depth_of(const Hit& hit) { return hit.depth; }
 

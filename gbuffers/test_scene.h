@@ -198,4 +198,28 @@ inline Understood understand(const TestFile& file, const GBufferSettings& settin
   return out;
 }
 
+/// The scene that tests share.
+inline const TestScene& scene() {
+  static const TestScene made;
+  return made;
+}
+
+inline const Hit& hit_at(int x, int y) { return scene().hits[std::size_t(y * scene().width + x)]; }
+
+inline bool has_warning(const Understood& got, std::string_view word) {
+  for (const std::string& warning : got.facts.warnings)
+    if (warning.find(word) != std::string::npos) return true;
+  return false;
+}
+
+/// A grey PNG without layers, with integers up to `max`.
+inline TestFile grey_png(double max, float none, const std::function<double(const Hit&)>& value) {
+  TestFile file(scene(), "PNG");
+  file.max_integer = max;
+  file.add(
+      "Y", none, [&](const Hit& hit) { return std::round(value(hit)); },
+      max > 255.0 ? ChannelType::kUint16 : ChannelType::kUint8);
+  return file;
+}
+
 }  // namespace umbrage::test

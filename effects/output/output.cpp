@@ -17,9 +17,10 @@ constexpr float kStepOf8Bits = 1.0f / 255.0f;
 const std::vector<Parameter> kOutputTable = {
     real_row("exposure", &OutputParams::exposure, {.min = -kMaxStops, .max = kMaxStops, .unit = "stops"},
              "brightness, in stops: 1 doubles the light"),
-    choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light"},
-               "automatic exposure, added to output.exposure: none, by the brightness of the surfaces in the usual view "
-               "of the model or in that of a camera inside it, or by the brightness of the light of `hdri_file`"),
+    choice_row(
+        "metering", &OutputParams::metering, 0, {"none", "picture", "light"},
+        "automatic exposure, added to output.exposure: none, by the brightness of the surfaces in the usual view "
+        "of the model or in that of a camera inside it, or by the brightness of the light of `hdri_file`"),
     choice_row(
         "tone", &OutputParams::tone, 0, {"none", "neutral"},
         "tone curve: none, or like Khronos PBR Neutral, which compresses highlights and deepens shadows and keeps hue "
