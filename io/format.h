@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/printable.h"
 #include "io/image_file.h"
 
 namespace umbrage {
@@ -17,10 +18,6 @@ extern const ImageFormat kPng, kExr, kPfm, kJpg, kJpeg, kWebp;
 /// Max side and max number of pixels of a picture that is read. Larger ones are rejected before memory is allocated:
 /// only damaged headers have such sizes.
 inline constexpr std::int64_t kMaxFileSide = 65536, kMaxFilePixels = std::int64_t(1) << 28;
-
-/// Returns the text with a question mark for every control character, so that a text from a file is safe for a
-/// terminal.
-std::string printable(std::string_view text);
 
 /// Checks the sides of a picture that is read by rows: each at most kMaxFileSide. Errors: kFile, naming the file.
 Result<void> check_sides(const std::filesystem::path& file, std::int64_t width, std::int64_t height);

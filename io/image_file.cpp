@@ -113,13 +113,6 @@ Result<void> check_writable(const fs::path& file) {
   return {};
 }
 
-std::string printable(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if ((unsigned char)(c) < 0x20 || c == 0x7f) c = '?';
-  return out;
-}
-
 Result<void> check_sides(const fs::path& file, std::int64_t width, std::int64_t height) {
   if (width >= 1 && height >= 1 && width <= kMaxFileSide && height <= kMaxFileSide) return {};
   return file_error("'{}' has {} x {} pixels in its header: 1 to {} per side can be read", file.string(), width, height,

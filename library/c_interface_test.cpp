@@ -502,6 +502,10 @@ TEST(CInterface, InvalidMeshesAreErrors) {
   refused(umbSetMeshBuffer(o.scene, mesh, "position", nullptr, UMB_TYPE_FLOAT32, 3, 0), "NULL");
   refused(umbSetMeshBuffer(o.scene, mesh, "position", kCorners, UMB_TYPE_UINT8, 3, 0), "8-bit integers");
   refused(umbSetMeshBuffer(o.scene, mesh, "position", kCorners, UMB_TYPE_FLOAT32, 2, 0), "2 channels");
+  for (const std::ptrdiff_t stride : {PTRDIFF_MAX, PTRDIFF_MIN, std::ptrdiff_t(1) << 41})
+    refused(umbSetMeshBuffer(o.scene, mesh, "position", kCorners, UMB_TYPE_FLOAT32, 3, stride), "stride");
+  refused(umbSetMeshBuffer(o.scene, mesh, "position\x1b\xff", kCorners, UMB_TYPE_FLOAT32, 3, 0),
+          "no buffer 'position \xef\xbf\xbd'");
   refused(umbSetMeshBuffer(o.scene, mesh, "positions", kCorners, UMB_TYPE_FLOAT32, 3, 0), "no buffer 'positions'");
   refused(umbSetMeshBuffer(o.scene, 7, "position", kCorners, UMB_TYPE_FLOAT32, 3, 0), "no mesh 7");
   const std::uint8_t beyond[36] = {0, 1, 8};

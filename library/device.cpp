@@ -1,5 +1,6 @@
 #include "library/device.h"
 
+#include "core/printable.h"
 #include "devices/vulkan/vulkan_device.h"
 #include "renderer/devices.h"
 #include "renderer/options.h"
@@ -90,7 +91,7 @@ void DeviceObject::report_error(const Error& error) {
   struct Done {
     ~Done() { in_error_callback = false; }  // runs also if a C++ callback throws
   } done;
-  callback(user, UmbError(error.kind), error.message.c_str());
+  callback(user, UmbError(error.kind), printable(error.message).c_str());
 }
 
 void DeviceObject::report_warning(const std::string& message) {
@@ -101,7 +102,7 @@ void DeviceObject::report_warning(const std::string& message) {
     callback = on_log_;
     user = log_user_;
   }
-  if (callback) callback(user, message.c_str());
+  if (callback) callback(user, printable(message).c_str());
 }
 
 void DeviceObject::set_error_callback(UmbErrorCallback callback, void* user) {

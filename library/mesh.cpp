@@ -179,6 +179,10 @@ UmbError umbSetMeshBuffer(UmbScene scene, int mesh, const char* name, const void
     if (!data) return usage_error("the buffer '{}' is NULL", text_of(name));
     const auto known = pixel_type(type);
     if (!known) return known.error();
+    if (const auto fits = check_stride(fmt::format("the buffer '{}'", text_of(name)), stride,
+                                       std::max(shared.vertices, shared.triangles));
+        !fits)
+      return fits;
     const auto packed = std::ptrdiff_t(size_of(*known)) * channels;
     return set_buffer(text_of(name),
                       {static_cast<const std::byte*>(data), *known, channels, stride != 0 ? stride : packed}, shared);

@@ -2,6 +2,8 @@
 
 #include <unordered_map>
 
+#include "core/printable.h"
+
 namespace umbrage {
 namespace {
 
@@ -19,6 +21,7 @@ Table& table() {
 }  // namespace
 
 UmbError ErrorSlot::store(Error error) {
+  error.message = printable(error.message);
   const std::lock_guard lock(mutex_);
   const auto code = UmbError(error.kind);
   if (!has_error_ || !keeps_first_) error_ = std::move(error);

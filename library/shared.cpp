@@ -60,6 +60,13 @@ std::string_view name_of(PixelType type) {
   return "";
 }
 
+Result<void> check_stride(std::string_view what, std::ptrdiff_t stride, std::size_t count) {
+  constexpr std::ptrdiff_t kMaxStride = std::ptrdiff_t(1) << 40, kMaxSpan = std::ptrdiff_t(1) << 57;
+  const std::ptrdiff_t size = std::abs(std::clamp(stride, -kMaxStride - 1, kMaxStride + 1));
+  if (size <= kMaxStride && (size == 0 || count <= std::size_t(kMaxSpan / size))) return {};
+  return usage_error("{} cannot have {} elements with a stride of {} bytes", what, count, stride);
+}
+
 Result<SharedImage> shared_image(std::string_view what, const UmbImage& image) {
   const auto type = pixel_type(image.type);
   if (!type) return usage_error("{}: {}", what, type.error().message);
@@ -70,9 +77,10 @@ Result<SharedImage> shared_image(std::string_view what, const UmbImage& image) {
   constexpr int kMaxChannels = 64;
   if (image.channels < 1 || image.channels > kMaxChannels)
     return usage_error("{} cannot have {} channels: it takes 1 to {}", what, image.channels, kMaxChannels);
-  constexpr std::ptrdiff_t kMaxStride = std::ptrdiff_t(1) << 40;
-  for (const std::ptrdiff_t stride : {image.channel_stride, image.pixel_stride, image.row_stride})
-    if (stride > kMaxStride || stride < -kMaxStride) return usage_error("{} cannot have a stride of {}", what, stride);
+  for (const auto& [stride, count] : {std::pair(image.channel_stride, image.channels),
+                                      {image.pixel_stride, image.width},
+                                      {image.row_stride, image.height}})
+    if (const auto fits = check_stride(what, stride, std::size_t(count)); !fits) return fits.error();
   return with_strides({.data = image.data,
                        .type = *type,
                        .width = image.width,

@@ -1,5 +1,6 @@
 // Checked conversions of pointers and images that callers pass to the C interface.
 #pragma once
+#include <cstddef>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <string>
@@ -16,6 +17,10 @@ namespace umbrage {
 Result<PixelType> pixel_type(int type);
 /// Returns a name for messages, such as "32-bit floats".
 std::string_view name_of(PixelType type);
+
+/// Checks that `count` elements can be `stride` bytes apart: that they span no more than a process can address. `what`:
+/// the subject of an error message. Errors: kUsage.
+Result<void> check_stride(std::string_view what, std::ptrdiff_t stride, std::size_t count);
 
 /// Converts and checks an image of the caller. `what`: the subject of an error message. `data` may be null. Errors:
 /// kUsage.

@@ -139,6 +139,7 @@ UmbError write_with_view(const char* call, const char* file, const char* const* 
       return usage_error("{}: an argument is NULL, or `count` is below 1", call);
     std::vector<std::pair<std::string, SharedImage>> all;
     for (int k = 0; k < count; ++k) {
+      if (!names[k]) return usage_error("{}: the name of image {} is NULL", call, k);
       auto image = shared_image("the image '" + text_of(names[k]) + "'", images[k]);
       if (!image) return image.error();
       if (!image->data) return usage_error("the image '{}' has no pixels", text_of(names[k]));

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "core/check.h"
+#include "core/printable.h"
 #include "renderer/option_rows.h"
 
 namespace umbrage {
@@ -48,13 +49,16 @@ const Option* find_option(std::string_view name, unsigned commands) {
   return nullptr;
 }
 
-std::string with_option_names(std::string_view message) {
+std::string with_option_names(std::string_view sentence) {
+  const std::string message = printable(sentence);
   std::string text;
   for (std::size_t at = 0, next = 0; at < message.size(); at = next) {
     const std::size_t close = message[at] == '`' ? message.find('`', at + 1) : std::string_view::npos;
-    const Option* row = close == std::string_view::npos ? nullptr : find_field(message.substr(at + 1, close - at - 1));
+    const Option* row = close == std::string_view::npos
+                            ? nullptr
+                            : find_field(std::string_view(message).substr(at + 1, close - at - 1));
     next = row ? close + 1 : std::max(end_of_quotation(message, at), at + 1);
-    text += row ? fmt::format("--{}", row->option) : std::string(message.substr(at, next - at));
+    text += row ? fmt::format("--{}", row->option) : message.substr(at, next - at);
   }
   return text;
 }

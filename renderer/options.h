@@ -84,7 +84,8 @@ const Option& option_of(std::string_view field);
 /// Returns the row of an option of one of these commands, by its name without dashes, or null.
 const Option* find_option(std::string_view name, unsigned commands);
 
-/// Returns the message with the options of a command line, --look, in place of fields in backquotes, except inside
+/// Returns the message made printable (core/printable.h), with the options of a command line, --look, in place of
+/// fields in backquotes, except inside
 /// '...'.
 std::string with_option_names(std::string_view message);
 

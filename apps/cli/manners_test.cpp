@@ -34,6 +34,31 @@ nlohmann::json record_of(const nlohmann::json& records, const std::string& what)
   return nlohmann::json();
 }
 
+TEST_F(Manners, LimitsOfTheSystemAreNamed) {
+  const std::string draw = std::string("$UMBRAGE tri.obj -o tri.png") + kSmall;
+  const auto refused = [&](const std::string& line, int code, const std::string& text) {
+    const Outcome outcome = shell(line);
+    EXPECT_EQ(outcome.code, code) << line;
+    EXPECT_NE(outcome.err.find(text), std::string::npos) << line << ": " << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_EQ(files().size(), 1u) << line;
+  };
+  refused("ulimit -f 1; $UMBRAGE tri.obj -o tri.exr" + std::string(kSmall), 3, "File too large");
+  refused("ulimit -s 64; " + draw, 4, "the limit of the stack is 64 KiB");
+  refused("TMPDIR=/missing; " + draw + " - <tri.obj", 3, "temporary files, '/missing'");
+  refused("TMPDIR=/missing; timeout 5 $UMBRAGE view tri.obj --no-open", 3, "temporary files, '/missing'");
+  // A reader in another process needs more files than may be open.
+  const Outcome few = shell("ulimit -n 6; cp tri.obj tri.3ds; $UMBRAGE info tri.3ds; code=$?; rm tri.3ds; exit $code");
+  EXPECT_EQ(few.code, 3);
+  EXPECT_NE(few.err.find("Too many open files"), std::string::npos) << few.err;
+}
+
+TEST_F(Manners, NamesAreCleanedInMessages) {
+  const Outcome outcome = shell("cp tri.obj $'a\\e[2J\\n\\xff.obx'; $UMBRAGE info $'a\\e[2J\\n\\xff.obx'");
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.err.find("'a [2J \xef\xbf\xbd.obx'"), std::string::npos) << outcome.err;
+}
+
 TEST_F(Manners, ReadsAModelFromStandardInput) {
   good("tri.obj -o file.png" + std::string(kSmall));
   for (const char* more : {"", " --input-format obj"}) {

@@ -1,6 +1,8 @@
 // The command line of umbrage and umbrage-lab: parses it, runs a command and reports errors.
 #include <CLI/CLI.hpp>
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -231,12 +233,22 @@ int run(int argc, char** argv, const LabActions& actions, bool is_lab) {
   return finish_output();
 }
 
+/// Returns an error if the stack is too small: threads get as much as the limit says.
+std::optional<Error> stack_error() {
+  constexpr rlim_t kMinStack = rlim_t(256) << 10;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_STACK, &limit) != 0 || limit.rlim_cur >= kMinStack) return std::nullopt;
+  return device_error("the limit of the stack is {} KiB; set it to {} or more (ulimit -s)", limit.rlim_cur >> 10,
+                      kMinStack >> 10);
+}
+
 }  // namespace
 
 std::string command_line;
 
 int run_program(int argc, char** argv, const LabActions& actions, bool is_lab) {
   end_on_signals();
+  if (const auto error = stack_error()) return report(*error);
   const auto code =
       guarded([] { return command_line + "; try a smaller picture or model, or a smaller --memory of render"; },
               [&]() -> Result<int> { return run(argc, argv, actions, is_lab); });

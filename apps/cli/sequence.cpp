@@ -2,18 +2,25 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
+#include <fstream>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <string_view>
 #include <thread>
 
 #include "apps/cli/frame_range.h"
 #include "apps/cli/options.h"
 #include "apps/cli/progress.h"
 #include "core/guarded.h"
+#include "core/lists.h"
+#include "core/version.h"
 
 namespace umbrage::cli {
 namespace {
@@ -33,8 +40,73 @@ bool has_inputs(const SequenceFiles& files, int frame) {
                      [&](const FrameNames& names) { return fs::exists(names.of(frame), ignored); });
 }
 
+/// Returns the hash of the options that change a picture, as 16 hexadecimal digits: FNV-1a of their names and values,
+/// and of the version.
+std::string request_of(const CLI::App& command) {
+  constexpr std::array<std::string_view, 10> kOthers = {"--output", "--frames", "--shard",   "--overwrite",
+                                                        "--device", "--memory", "--threads", "--verbose",
+                                                        "--json",   "--config"};
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto add = [&](std::string_view text) {
+    for (const char c : text) hash = (hash ^ (unsigned char)(c)) * 0x100000001b3u;
+    hash = (hash ^ '\n') * 0x100000001b3u;
+  };
+  add(project_version());
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0 || contains(kOthers, option->get_name())) continue;
+    add(option->get_name());
+    for (const std::string& value : option->results()) add(value);
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+/// Returns the file that records what drew the frames.
+fs::path record_of(const FrameNames& names) {
+  const fs::path start(names.before);
+  std::string name = start.filename().string();
+  while (!name.empty() && std::string_view("._-").find(name.back()) != std::string_view::npos) name.pop_back();
+  return start.parent_path() / ((name.empty() ? "umbrage" : name) + ".frames");
+}
+
+/// Returns the record's line for a file of this request; empty if there is no such file.
+std::string record_line(const std::string& request, const fs::path& file) {
+  std::error_code error;
+  const auto size = fs::file_size(file, error);
+  return error ? "" : fmt::format("{} {} {}", request, size, file.filename().string());
+}
+
+/// Adds the files of a frame to the record. Without it a later run makes the frame again.
+void add_to_record(const Sequence& sequence, int frame) {
+  std::string lines;
+  for (const FrameNames& names : sequence.outputs) lines += record_line(sequence.request, names.of(frame)) + "\n";
+  if (sequence.outputs.empty()) return;
+  std::ofstream(record_of(sequence.outputs.front()), std::ios::app | std::ios::binary) << lines << std::flush;
+}
+
+/// The last line of the record for each file, by its name.
+using FrameRecord = std::map<std::string, std::string>;
+
+FrameRecord read_record(const FrameNames& names) {
+  FrameRecord record;
+  std::ifstream file(record_of(names), std::ios::binary);
+  for (std::string line; std::getline(file, line);) {
+    const auto name = line.find(' ', line.find(' ') + 1);  // after the hash and the size
+    if (name != std::string::npos) record[line.substr(name + 1)] = line;
+  }
+  return record;
+}
+
+/// Returns whether the files of a frame are as the record says.
+bool is_recorded(const Sequence& sequence, const FrameRecord& record, int frame) {
+  return std::all_of(sequence.outputs.begin(), sequence.outputs.end(), [&](const FrameNames& names) {
+    const fs::path file = names.of(frame);
+    const auto found = record.find(file.filename().string());
+    return found != record.end() && found->second == record_line(sequence.request, file);
+  });
+}
+
 /// Returns whether all outputs of a frame are there and no input is newer.
-bool is_finished(const SequenceFiles& files, int frame) {
+bool is_up_to_date(const SequenceFiles& files, int frame) {
   auto oldest = fs::file_time_type::max();
   for (const FrameNames& names : files.outputs) {
     const auto time = time_of(names.of(frame));
@@ -89,8 +161,9 @@ Error no_file_error(const FrameNames& names, const std::vector<int>& frames) {
 
 /// State of the threads that make frames.
 struct Progress {
+  const Sequence& sequence;
   const SequenceWork& work;
-  std::size_t total;
+  std::size_t total = sequence.own.size();
   std::size_t done = 0;
   std::vector<int> failed = {};
   std::vector<double> fractions = {};  // of the frame that each worker makes
@@ -119,6 +192,7 @@ struct Progress {
                         });
     const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::lock_guard lock(mutex);
+    if (made && writes) add_to_record(sequence, frame);
     fractions[std::size_t(worker)] = 0.0;
     if (!made && !end && ends(made.error().kind)) end = made.error();
     if (!writes || (!made && end)) return made;
@@ -160,6 +234,7 @@ Result<void> check_input_remains(const fs::path& input, const std::string& outpu
 
 void add_sequence_options(CLI::App& command, SequenceOptions& options, bool has_frames) {
   const auto output = "Output";
+  options.command = &command;
   if (has_frames) {
     CLI::Option* frames = command.add_option(
         "--frames", options.frames,
@@ -206,14 +281,21 @@ Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFil
     return file_error("no frame of {} has all its files: '{}' and the others have different frames", frames_text(range),
                       pattern_of(files.inputs.front()));
   }
+  if (options.command && !files.outputs.empty()) {
+    sequence.outputs = files.outputs;
+    sequence.request = request_of(*options.command);
+  }
+  const auto record = sequence.outputs.empty() ? FrameRecord() : read_record(sequence.outputs.front());
   for (const int frame : shard.of(range)) {
     if (auto status = check_inputs_remain(files, frame); !status) return status.error();
     if (!std::binary_search(sequence.all.begin(), sequence.all.end(), frame))
       sequence.missing.push_back(frame);
-    else if (!options.overwrite && is_finished(files, frame))
+    else if (options.overwrite || !is_up_to_date(files, frame))
+      sequence.own.push_back(frame);
+    else if (is_recorded(sequence, record, frame))
       ++sequence.finished;
     else
-      sequence.own.push_back(frame);
+      sequence.own.push_back(frame), ++sequence.replaced;
   }
   return sequence;
 }
@@ -222,7 +304,10 @@ Result<void> make_sequence(const Sequence& sequence, const SequenceWork& work) {
   if (sequence.finished > 0)
     fmt::print(stderr, "umbrage: {} of {} frames are there already; --overwrite makes them again\n", sequence.finished,
                sequence.finished + sequence.own.size() + sequence.missing.size());
-  Progress progress{work, sequence.own.size()};
+  if (sequence.replaced > 0)
+    fmt::print(stderr, "umbrage: {} {} there, but cut off or drawn by other options, and made again\n",
+               sequence.replaced, sequence.replaced == 1 ? "frame is" : "frames are");
+  Progress progress{sequence, work};
   progress.fractions.resize(1);
   if (!sequence.own.empty()) {
     const auto first = make_first(sequence, progress);

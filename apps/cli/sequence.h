@@ -1,5 +1,6 @@
-// Sequences: numbered frames that are made several at once. A frame whose file is there already is finished, since
-// files appear whole; a frame that fails does not stop the others.
+// Sequences: numbered frames that are made several at once. A frame that fails does not stop the others. A record
+// beside the frames, NAME.frames, has a line for each file: a hash of the options that drew it, its size and its name.
+// A frame whose files are as the record says is finished.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -20,6 +21,7 @@ namespace umbrage::cli {
 struct SequenceOptions {
   std::string frames, shard;
   bool overwrite = false;
+  const CLI::App* command = nullptr;  ///< whose options draw the frames; set by add_sequence_options
 };
 
 /// Checks that an output is not this input. Errors: kUsage.
@@ -36,14 +38,19 @@ struct SequenceFiles {
 
 /// The frames to make, ascending.
 struct Sequence {
+  std::vector<FrameNames> outputs = {};
+  std::string request = {};  ///< hash of the options that draw a frame
   std::vector<int> all;      ///< frames of the whole range whose inputs are there, of all shards
   std::vector<int> own;      ///< those of this process that are not finished
   std::vector<int> missing;  ///< frames of this process that have no input
   std::size_t finished = 0;  ///< number of frames of this process that were finished before
+  std::size_t replaced = 0;  ///< of `own`, those whose files are there but cut off, or drawn by other options
 };
 
 /// Returns the frames of a sequence. `range`: all frames; empty: those of --frames, or else all files of the first
-/// input. Frames whose outputs are there and not older than their inputs are finished, unless --overwrite is given.
+/// input. Frames whose outputs are there as these options draw them, and not older than their inputs, are finished,
+/// unless
+/// --overwrite is given.
 /// Errors: kUsage, also if an output is an input; kFile if the range has no file.
 Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFiles& files, std::vector<int> range);
 

@@ -98,20 +98,43 @@ TEST_F(SequenceTest, FinishedFramesAreKept) {
   make_inputs(4);
   EXPECT_EQ(shade("0-3", "out").code, 0);
   const std::string second = picture("out", 2);
-  write("out.0001.png", "finished");
+  std::string marked = picture("out", 1);  // of the same size, so that it counts as finished
+  marked.back() ^= 1;
+  write("out.0001.png", marked);
   fs::remove(folder_ / "out.0002.png");
   const Outcome again = shade("0-3", "out");
   EXPECT_EQ(again.code, 0);
   EXPECT_EQ(again.err, "umbrage: 3 of 4 frames are there already; --overwrite makes them again\n");
-  EXPECT_EQ(picture("out", 1), "finished");
+  EXPECT_EQ(picture("out", 1), marked);
   EXPECT_EQ(picture("out", 2), second) << "the first frame sets the radius, though it is finished";
   // A frame whose input is newer is made again.
   fs::last_write_time(input(1), fs::last_write_time(folder_ / "out.0001.png") + 1s);
   EXPECT_EQ(shade("0-3", "out").code, 0);
-  EXPECT_NE(picture("out", 1), "finished");
-  write("out.0003.png", "finished");
+  EXPECT_NE(picture("out", 1), marked);
+  write("out.0001.png", marked);
   EXPECT_EQ(shade("0-3", "out", "--overwrite").err, "");
-  EXPECT_NE(picture("out", 3), "finished");
+  EXPECT_NE(picture("out", 1), marked);
+}
+
+TEST_F(SequenceTest, FramesOfOtherOptionsAndCutFramesAreMadeAgain) {
+  make_inputs(3);
+  EXPECT_EQ(shade("0-2", "out").code, 0);
+  const std::string first = picture("out", 1);
+  const auto line = [](int frames) {
+    return fmt::format("umbrage: {} {} there, but cut off or drawn by other options, and made again\n", frames,
+                       frames == 1 ? "frame is" : "frames are");
+  };
+  const std::string other = "--set output.exposure=1";
+  EXPECT_EQ(shade("0-2", "out", other).err, line(3));
+  EXPECT_NE(picture("out", 1), first);
+  EXPECT_EQ(shade("0-2", "out", other + " --threads 1").err,
+            "umbrage: 3 of 3 frames are there already; --overwrite makes them again\n");
+  EXPECT_EQ(shade("0-2", "out").err, line(3));
+  EXPECT_EQ(picture("out", 1), first);
+  write("out.0001.png", first.substr(0, first.size() / 2));
+  EXPECT_EQ(shade("0-2", "out").err,
+            "umbrage: 2 of 3 frames are there already; --overwrite makes them again\n" + line(1));
+  EXPECT_EQ(picture("out", 1), first);
 }
 
 TEST_F(SequenceTest, ShardsEqualOneProcess) {

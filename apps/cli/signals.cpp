@@ -64,6 +64,7 @@ void end_on_signals() {
     action.sa_flags = SA_RESTART;
     ::sigaction(signal, &action, nullptr);
   }
+  ::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of file sizes (ulimit -f) fails with EFBIG instead
 }
 
 BlockSignals::BlockSignals() {

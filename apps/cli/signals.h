@@ -5,9 +5,9 @@
 
 namespace umbrage::cli {
 
-/// Installs handlers for SIGINT, SIGTERM and SIGHUP, except those that the parent process ignores. A handler removes
-/// temporary files, ends the child process, prints one line and exits with 128 + the signal's number. Call it on the
-/// main thread before other threads start.
+/// Ignores SIGXFSZ, and installs handlers for SIGINT, SIGTERM and SIGHUP, except those that the parent process ignores.
+/// A handler removes temporary files, ends the child process, prints one line and exits with 128 + the signal's number.
+/// Call it on the main thread before other threads start.
 void end_on_signals();
 
 /// Returns the signals of end_on_signals.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -15,6 +16,7 @@
 #include "core/suggest.h"
 #include "scene/readers/content.h"
 #include "scene/readers/gzip.h"
+#include "system/machine.h"
 
 namespace umbrage::cli {
 namespace {
@@ -51,13 +53,15 @@ Result<std::string> read_standard_input(std::string_view what) {
 
 /// Writes a copy of standard input to a temporary file and returns its path.
 Result<fs::path> store_copy(const std::string& bytes, const std::string& extension) {
-  std::error_code code;
-  const fs::path temporary_folder = fs::temp_directory_path(code);
+  const auto temporary = temporary_folder();
+  if (!temporary) return temporary.error();
   std::random_device random;
-  const std::string folder = (temporary_folder / fmt::format("umbrage-{:08x}{:08x}", random(), random())).string();
+  const std::string folder = (*temporary / fmt::format("umbrage-{:08x}{:08x}", random(), random())).string();
   const std::string file = folder + "/stdin." + extension;
-  if (code || file.size() >= kMaxPathLength)
-    return file_error("the temporary folder for standard input cannot be created");
+  const auto not_copied = [&](int cause) {
+    return file_error("standard input cannot be copied to '{}': {}", folder, std::strerror(cause));
+  };
+  if (file.size() >= kMaxPathLength) return not_copied(ENAMETOOLONG);
   // Store the paths before the folder and file exist, so that the signal handler can always remove both. The first byte
   // of a path is written last, since the handler ignores a path whose first byte is zero.
   for (const auto& [stored, name] : {std::pair(copy_folder, &folder), {copy_file, &file}}) {
@@ -67,13 +71,14 @@ Result<fs::path> store_copy(const std::string& bytes, const std::string& extensi
   }
   constexpr mode_t kOwnerOnly = 0700;
   if (::mkdir(folder.c_str(), kOwnerOnly) != 0) {
+    const int cause = errno;
     copy_file[0] = copy_folder[0] = '\0';
-    return file_error("the temporary folder for standard input cannot be created");
+    return not_copied(cause);
   }
   std::FILE* stream = std::fopen(file.c_str(), "wbx");
   const bool written = stream && std::fwrite(bytes.data(), 1, bytes.size(), stream) == bytes.size();
-  if (!stream || std::fclose(stream) != 0 || !written)
-    return file_error("standard input cannot be copied to '{}'", folder);
+  const int cause = errno;
+  if (!stream || std::fclose(stream) != 0 || !written) return not_copied(stream && written ? errno : cause);
   return fs::path(file);
 }
 

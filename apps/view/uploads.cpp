@@ -12,17 +12,18 @@
 #include <vector>
 
 #include "apps/view/messages.h"
+#include "system/machine.h"
 
 namespace umbrage::view {
 
 namespace fs = std::filesystem;
 
 Result<TemporaryFolder> TemporaryFolder::create() {
-  std::error_code code;
-  const fs::path place = fs::temp_directory_path(code);
-  std::string path = (place / "umbrage-view-XXXXXX").string();
-  if (code || !::mkdtemp(path.data()))  // mkdtemp lets only the owner in
-    return file_error("the temporary folder for uploads cannot be created in '{}'", place.string());
+  const auto place = temporary_folder();
+  if (!place) return place.error();
+  std::string path = (*place / "umbrage-view-XXXXXX").string();
+  if (!::mkdtemp(path.data()))  // mkdtemp lets only the owner in
+    return file_error("a folder for uploads cannot be created in '{}': {}", place->string(), std::strerror(errno));
   return TemporaryFolder(path);
 }
 

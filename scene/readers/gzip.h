@@ -5,7 +5,7 @@
 
 #include "core/progress.h"
 #include "core/result.h"
-#include "system/memory.h"
+#include "system/machine.h"
 
 namespace umbrage {
 

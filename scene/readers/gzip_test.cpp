@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "archives.h"
-#include "system/memory.h"
+#include "system/machine.h"
 
 namespace umbrage::test {
 namespace {

@@ -50,8 +50,10 @@ struct Descriptor {
 /// Moves a descriptor to a number that is not one of the child's, so that the child's dup2 calls do not close it.
 Descriptor moved_to_free_number(int number) {
   constexpr int kFirstFree = 10;
-  Descriptor low(number);
-  return number < 0 ? Descriptor() : Descriptor(::fcntl(number, F_DUPFD_CLOEXEC, kFirstFree));
+  const Descriptor low(number);
+  Descriptor moved(number < 0 ? -1 : ::fcntl(number, F_DUPFD_CLOEXEC, kFirstFree));
+  if (moved.number < 0 && errno == EINVAL) errno = EMFILE;  // no more than kFirstFree files may be open (ulimit -n)
+  return moved;
 }
 
 /// How a child process ended.

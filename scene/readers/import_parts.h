@@ -16,8 +16,8 @@ Error too_large_to_read(const std::filesystem::path& file);
 /// Adds one warning for all properties of materials that are not drawn.
 void warn_of_ignored(Scene& scene);
 
-/// Completes a scene after a reader of any format: name, up, normals, removal of unusable triangles, bounds; texts and
-/// errors of the reader become printable. Errors: those of `imported`; kFile if nothing is left to draw; kInterrupted.
+/// Completes a scene after a reader of any format: name, up, normals, removal of unusable triangles, bounds; texts of
+/// the scene become printable. Errors: those of `imported`; kFile if nothing is left to draw; kInterrupted.
 Result<Scene> complete_import(Result<Scene> imported, const std::filesystem::path& file, const ImportSettings& settings,
                               Poll* poll = nullptr);
 

@@ -1,6 +1,5 @@
 // Checks of a model file before and after reading, and the choice of the process: built-in readers run in this process,
 // third-party readers in a separate one.
-#include "core/lowercase.h"
 #include "scene/readers/import.h"
 
 #include <fcntl.h>
@@ -22,6 +21,8 @@
 #include <system_error>
 
 #include "core/lists.h"
+#include "core/lowercase.h"
+#include "core/printable.h"
 #include "scene/coplanar.h"
 #include "scene/finish.h"
 #include "scene/readers/content.h"
@@ -34,18 +35,6 @@
 
 namespace umbrage {
 namespace {
-
-/// Replaces control characters of ASCII, and those of Latin-1 in UTF-8, by blanks. complete_import calls this for all
-/// texts of a scene and for errors of readers, which need not.
-std::string printable(std::string text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (byte(i) < ' ' || byte(i) == 127) text[i] = ' ';
-    if (byte(i) == 0xc2 && i + 1 < text.size() && byte(i + 1) >= 0x80 && byte(i + 1) < 0xa0)
-      text[i] = text[i + 1] = ' ';
-  }
-  return text;
-}
 
 namespace fs = std::filesystem;
 
@@ -106,7 +95,7 @@ std::size_t mark_zero_points(Scene& scene) {
 
 /// Makes all texts of a scene printable.
 void make_printable(Scene& scene) {
-  const auto clean = [](std::string& text) { text = printable(std::move(text)); };
+  const auto clean = [](std::string& text) { text = printable(text); };
   clean(scene.name);
   for (std::vector<std::string>* texts : {&scene.scene_names, &scene.animation_names, &scene.warnings})
     std::for_each(texts->begin(), texts->end(), clean);
@@ -172,10 +161,7 @@ void warn_of_ignored(Scene& scene) {
 
 Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, const ImportSettings& settings,
                               Poll* poll) {
-  if (!imported) {
-    imported.error().message = printable(imported.error().message);
-    return imported;
-  }
+  if (!imported) return imported;
   Scene& scene = *imported;
   scene.name = file.filename().string();
   if (const std::string read_as = format_of_file(file), named = import_format(file); read_as != named)

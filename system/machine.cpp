@@ -1,5 +1,5 @@
 // Reads /proc/meminfo (proc(5)) and the limit of the control group, version 2, that a container sees as its own.
-#include "system/memory.h"
+#include "system/machine.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace umbrage {
 
@@ -20,6 +21,15 @@ double available_memory() {
   }
   if (double limit = 0.0; std::ifstream("/sys/fs/cgroup/memory.max") >> limit) available = std::min(available, limit);
   return available;
+}
+
+Result<std::filesystem::path> temporary_folder() {
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
+  if (!error) return folder;
+  const char* named = std::getenv("TMPDIR");
+  return file_error("the folder for temporary files, '{}', cannot be used: {}{}", named ? named : "/tmp",
+                    error.message(), named ? "; set TMPDIR to another" : "");
 }
 
 }  // namespace umbrage
