@@ -9,7 +9,7 @@
 #include <glm/vec4.hpp>
 #include <limits>
 
-#include "core/watch.h"
+#include "core/progress.h"
 #include "rays/embree_device.h"
 #include "scene/points.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/srgb.h"
+#include "core/color.h"
 
 namespace umbrage {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "io/image_file.h"

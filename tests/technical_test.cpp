@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "devices/cpu/cpu_device.h"
 #include "generators/builtin.h"
 #include "renderer/draw.h"

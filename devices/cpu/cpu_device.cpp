@@ -12,7 +12,7 @@
 
 #include "core/check.h"
 #include "core/guarded.h"
-#include "core/watch.h"
+#include "core/progress.h"
 #include "devices/cpu/capture.h"
 #include "devices/cpu/cpu_planes.h"
 #include "devices/cpu/soften.h"

@@ -8,7 +8,7 @@
 #include <new>
 
 #include "core/check.h"
-#include "core/watch.h"
+#include "core/progress.h"
 #include "devices/vulkan/capture.h"
 #include "rays/embree_device.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/device.h"
-#include "core/ray_settings.h"
+#include "core/effect.h"
 #include "devices/shared/dispatches.h"
 #include "devices/vulkan/device_scene.h"
 #include "devices/vulkan/dispatch.h"

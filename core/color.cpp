@@ -1,4 +1,4 @@
-#include "core/color_names.h"
+#include "core/color.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,5 +1,5 @@
 // Colours by name and in hexadecimal notation.
-#include "core/color_names.h"
+#include "core/color.h"
 
 #include <gtest/gtest.h>
 
