@@ -6,6 +6,10 @@
 #include <limits>
 #include <span>
 #include <vector>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <string_view>
 
 namespace umbrage {
 namespace {
@@ -124,6 +128,19 @@ std::string inflated_to(std::string_view bytes, std::size_t size) {
                                   reinterpret_cast<const Bytef*>(bytes.data()), uLong(bytes.size()));
   content.resize(status == Z_OK ? count : 0);
   return content;
+}
+
+// Reads /proc/meminfo (proc(5)) and the limit of the control group, version 2, that a container sees as its own.
+double available_memory() {
+  double available = std::numeric_limits<double>::infinity();
+  std::ifstream info("/proc/meminfo");
+  for (std::string line; std::getline(info, line);) {
+    constexpr std::string_view kName = "MemAvailable:";
+    constexpr double kUnit = 1024.0;  // "kB"
+    if (line.starts_with(kName)) available = kUnit * std::strtod(line.c_str() + kName.size(), nullptr);
+  }
+  if (double limit = 0.0; std::ifstream("/sys/fs/cgroup/memory.max") >> limit) available = std::min(available, limit);
+  return available;
 }
 
 }  // namespace umbrage

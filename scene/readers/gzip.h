@@ -5,9 +5,12 @@
 
 #include "core/progress.h"
 #include "core/result.h"
-#include "system/memory.h"
 
 namespace umbrage {
+
+/// Returns how much memory, in bytes, programs may take without swapping: of the machine as the kernel estimates it,
+/// and at most the limit of the container. Infinite if it is not known.
+double available_memory();
 
 /// Returns whether bytes begin as a gzip file does. No model format begins so.
 bool is_gzip(std::string_view bytes);

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "archives.h"
-#include "system/memory.h"
 
 namespace umbrage::test {
 namespace {

@@ -22,7 +22,6 @@
 #include <system_error>
 
 #include "core/lists.h"
-#include "scene/coplanar.h"
 #include "scene/finish.h"
 #include "scene/readers/content.h"
 #include "scene/readers/import_in_child_process.h"

@@ -1,5 +1,5 @@
 // Decoder for Radiance pictures: exposure and the run lengths of both encodings, against values written by hand.
-#include "scene/readers/radiance.h"
+#include "scene/readers/texture_file.h"
 
 #include <gtest/gtest.h>
 
