@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "core/progress.h"
-#include "rays/embree_device.h"
+#include "rays/embree.h"
 #include "scene/points.h"
 
 namespace umbrage {

@@ -21,7 +21,7 @@
 #include "devices/shared/planes.h"
 #include "kernel/isa.h"
 #include "kernel/kernel_frame.h"
-#include "rays/embree_device.h"
+#include "rays/embree.h"
 #include "scene/occluders.h"
 
 namespace umbrage {

@@ -10,7 +10,7 @@
 #include "core/check.h"
 #include "core/progress.h"
 #include "devices/vulkan/capture.h"
-#include "rays/embree_device.h"
+#include "rays/embree.h"
 
 namespace umbrage {
 namespace {

@@ -76,7 +76,7 @@ class SceneCapture {
   Result<DevicePlanePtr> draw_triangle_indices(const PictureInfo& info, int layer, const DevicePlanes& planes,
                                                Dispatcher::Constants constants, Dispatcher::Table table);
 
-  /// Softens the shadows of lights that have a size: see devices/shared/soften_dispatches.h.
+  /// Softens the shadows of lights that have a size: see devices/shared/capture_info.h.
   Result<void> soften(const Frame& frame, std::span<const PenumbraPlanes> radii);
 
   GpuPtr gpu_;

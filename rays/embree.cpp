@@ -1,8 +1,9 @@
-#include "rays/embree_device.h"
+#include "rays/embree.h"
 
 #include <new>
 
 #include "kernel/isa.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 namespace {
