@@ -6,7 +6,7 @@
 #include "generators/builtin.h"
 #include "renderer/draw.h"
 #include "renderer/plan.h"
-#include "renderer/setting_warnings.h"
+#include "renderer/recipe.h"
 #include "vulkan_support.h"
 
 namespace umbrage {

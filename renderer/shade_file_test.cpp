@@ -12,9 +12,8 @@
 #include "effects/effects.h"
 #include "io/image_file.h"
 #include "renderer/models.h"
-#include "renderer/reduced_rows.h"
-#include "renderer/shade.h"
 #include "renderer/shade_file.h"
+#include "renderer/strips.h"
 #include "support.h"
 
 namespace umbrage {

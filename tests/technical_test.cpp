@@ -11,7 +11,7 @@
 #include "devices/cpu/cpu_device.h"
 #include "generators/builtin.h"
 #include "renderer/draw.h"
-#include "renderer/setting_warnings.h"
+#include "renderer/recipe.h"
 
 namespace umbrage {
 namespace {
