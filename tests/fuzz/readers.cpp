@@ -25,7 +25,6 @@
 #include "scene/readers/obj_text.h"
 #include "scene/readers/texture_file.h"
 #include "scene/readers/transfer.h"
-#include "seeds.h"
 
 namespace umbrage::fuzz {
 namespace {

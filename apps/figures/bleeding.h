@@ -1,4 +1,5 @@
-// What the figures of [Colliander and Törnquist 2015] share: their presets, and the drapes of scene:atrium.
+// The figures of [Colliander and Törnquist 2015]: what they share, their presets and the drapes of scene:atrium, and
+// the figures and diagrams of files of their own.
 #pragma once
 #include <set>
 #include <string_view>
@@ -53,5 +54,9 @@ Result<Figure> bleeding_range(Studio& studio);
 /// Draws what the discussion of figures 15 and 16 is about: in the paper's preset no light reaches surfaces behind a
 /// drape; in ours it does.
 Result<Figure> bleeding_behind_drape(Studio& studio, const ClothGrid& cloths);
+
+/// Draws diagrams 2, 3, 4 and 6, from the actual sample tables and planes, for a camera. Sets the framing and look of
+/// the studio.
+Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view);
 
 }  // namespace umbrage

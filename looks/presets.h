@@ -1,10 +1,26 @@
-// Quality: presets that trade time for quality, for the techniques `traced`, `bitmask`, `hemisphere` and `sphere`.
+// Presets of settings, by name. Style: colours of background and model for a purpose, such as a slide; a style changes
+// any look. Quality: trades time for quality, for the techniques `traced`, `bitmask`, `hemisphere` and `sphere`.
 #pragma once
+#include <array>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "core/look.h"
+
 namespace umbrage {
+
+struct Style {
+  std::string_view name, summary;
+  LookPresets presets;                          ///< applied after those of the look
+  std::optional<std::array<float, 3>> color{};  ///< of the whole model, as clay, display values
+};
+
+std::span<const Style> styles();
+
+/// Returns the style of that name, or null.
+const Style* find_style(std::string_view name);
 
 struct Quality {
   std::string_view name, summary;
