@@ -46,7 +46,7 @@ std::string joined_by_or(const Names& names) {
 /// What other programs call an option or a parameter, with "-" for "_", and the name that it has here. The Python package
 /// has the file beside its code.
 inline constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
-#include "python/umbrage/other_names.inc"
+#include "other_names.inc"
 };
 
 /// Returns whether `word` is a part of `name` between dashes, underscores or dots.

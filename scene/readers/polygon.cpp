@@ -184,7 +184,7 @@ class EarClipping {
   std::size_t work_ = 0;
 };
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNotFound = std::numeric_limits<std::uint32_t>::max();
 
 /// Copies the vertex `from` of a mesh to the end of another one.
 void copy_vertex(const Mesh& source, std::uint32_t from, Mesh& out) {
@@ -252,21 +252,22 @@ void set_face_attributes(const FaceAttributes& attributes, Mesh& mesh) {
   if (has_uvs) mesh.uvs.clear();
   if (has_colors) mesh.colors.clear();
   // The new vertices of an old one form a list, which is short: most vertices have one or two.
-  std::vector<std::uint32_t> first(mesh.positions.size(), kNone), next;
+  std::vector<std::uint32_t> first(mesh.positions.size(), kNotFound), next;
   for (std::size_t corner = 0; corner < mesh.indices.size(); ++corner) {
     const std::uint32_t old = mesh.indices[corner];
     if (old >= mesh.positions.size()) {
-      out.indices.push_back(kNone);
+      out.indices.push_back(kNotFound);
       continue;
     }
     const glm::vec2 uv = has_uvs ? attributes.uvs[corner] : glm::vec2(0.0f);
     const glm::vec3 color = has_colors ? attributes.colors[corner / 3] : glm::vec3(0.0f);
     constexpr int kMaxCompared = 16;  // bounds the work if thousands of faces share one vertex
-    std::uint32_t found = kNone;
+    std::uint32_t found = kNotFound;
     int compared = 0;
-    for (std::uint32_t v = first[old]; v != kNone && found == kNone && compared < kMaxCompared; v = next[v], ++compared)
+    for (std::uint32_t v = first[old]; v != kNotFound && found == kNotFound && compared < kMaxCompared;
+         v = next[v], ++compared)
       if ((!has_uvs || out.uvs[v] == uv) && (!has_colors || out.colors[v] == color)) found = v;
-    if (found == kNone) {
+    if (found == kNotFound) {
       found = std::uint32_t(out.positions.size());
       copy_vertex(mesh, old, out);
       if (has_uvs) out.uvs.push_back(uv);
@@ -294,13 +295,13 @@ std::vector<Mesh> split_by_material(Mesh mesh, const std::vector<int>& materials
   }
   std::vector<std::vector<std::size_t>> triangles_of(parts.size());
   for (std::size_t i = 0; i < materials.size(); ++i) triangles_of[part_of[materials[i]]].push_back(i);
-  std::vector<std::uint32_t> number(mesh.positions.size(), kNone), numbered(mesh.positions.size(), kNone);
+  std::vector<std::uint32_t> number(mesh.positions.size(), kNotFound), numbered(mesh.positions.size(), kNotFound);
   for (std::uint32_t p = 0; p < parts.size(); ++p)
     for (const std::size_t triangle : triangles_of[p])
       for (std::size_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
         const std::uint32_t old = mesh.indices[corner];
         if (old >= mesh.positions.size()) {
-          parts[p].indices.push_back(kNone);
+          parts[p].indices.push_back(kNotFound);
           continue;
         }
         if (numbered[old] != p) {
