@@ -44,7 +44,7 @@ install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONE
 
 # The folder is that of Debian's Python. Elsewhere use PYTHONPATH or scripts/wheel.
 install(DIRECTORY python/umbrage DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL
-        FILES_MATCHING PATTERN "*.py" PATTERN py.typed PATTERN .mypy_cache EXCLUDE)
+        FILES_MATCHING PATTERN "*.py" PATTERN "*.inc" PATTERN py.typed PATTERN .mypy_cache EXCLUDE)
 install(FILES examples/gallery.ipynb DESTINATION share/doc/python3-umbrage/examples COMPONENT python EXCLUDE_FROM_ALL)
 install(DIRECTORY examples/python/ DESTINATION share/doc/python3-umbrage/examples COMPONENT python EXCLUDE_FROM_ALL
         FILES_MATCHING PATTERN "*.py")

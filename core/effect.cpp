@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/absolute_length.h"
+#include "core/parameters.h"
 #include "core/lists.h"
 
 namespace umbrage {

@@ -36,7 +36,7 @@ struct Look {
   bool averages_square_roots = false;  ///< averages square roots of light, like lines
   /// The technique for models in place of `occlusion`, except with a quality of screen space; empty: `occlusion` too.
   std::string_view model_occlusion = {};
-  std::string_view quality = {};  ///< default quality, one of looks/quality.h; empty: the settings as they are
+  std::string_view quality = {};  ///< default quality, one of looks/presets.h; empty: the settings as they are
   bool studio_lights = false;     ///< a scene without lights gets studio_lighting instead of a key light alone
   bool needs_beauty = false;      ///< changes a finished picture, so that it only applies to files that have one
   /// Outdoor objects get a ground that is invisible except for the shadows on it.

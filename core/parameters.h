@@ -13,6 +13,11 @@
 
 namespace umbrage {
 
+/// Returns the absolute length. `whole`: the length that is 100%, in the unit of absolute lengths.
+inline float absolute_length(const Length& length, float whole) {
+  return length.relative != 0 ? length.value / 100.0f * whole : length.value;
+}
+
 enum class ParameterType {
   kReal,    ///< float
   kInt,     ///< int

@@ -43,22 +43,11 @@ std::string joined_by_or(const Names& names) {
   return text;
 }
 
-/// What other programs call an option or a parameter, with "-" for "_", and the name that it has here.
-inline constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {{"background", "background-color"},
-                                                                                {"dpi", "resolution"},
-                                                                                {"dpi", "size"},
-                                                                                {"fov", "camera-view-angle"},
-                                                                                {"fov", "view_angle_deg"},
-                                                                                {"height", "resolution"},
-                                                                                {"height", "size"},
-                                                                                {"levels", "steps"},
-                                                                                {"no-background", "transparent"},
-                                                                                {"samples", "anti-aliasing"},
-                                                                                {"samples", "antialiasing"},
-                                                                                {"size", "resolution"},
-                                                                                {"transparent", "no-background"},
-                                                                                {"width", "resolution"},
-                                                                                {"width", "size"}};
+/// What other programs call an option or a parameter, with "-" for "_", and the name that it has here. The Python package
+/// has the file beside its code.
+inline constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
+#include "other_names.inc"
+};
 
 /// Returns whether `word` is a part of `name` between dashes, underscores or dots.
 inline bool is_part_of_name(std::string_view word, std::string_view name) {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/lists.h"
-#include "core/srgb.h"
+#include "core/color.h"
 #include "gbuffers/depth_values.h"
 #include "gbuffers/fit.h"
 #include "gbuffers/roles.h"

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/rows.h"
-#include "core/srgb.h"
+#include "core/color.h"
 #include "gbuffers/depth_values.h"
 
 namespace umbrage {

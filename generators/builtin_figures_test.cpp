@@ -8,8 +8,8 @@
 
 #include "generators/builtin.h"
 #include "generators/makers.h"
-#include "generators/rounded_hull.h"
 #include "generators/sdf_mesh.h"
+#include "generators/shapes.h"
 #include "support.h"
 
 namespace umbrage {

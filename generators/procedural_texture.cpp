@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "generators/noise.h"
 
 namespace umbrage::procedural {

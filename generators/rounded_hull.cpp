@@ -1,7 +1,7 @@
 // Rounded hulls: the hull's planes are moved inwards by the bevel, and a sphere of that radius is added again
 // (Minkowski sum). Faces become flat polygons, edges cylinder strips, corners sphere patches. Suitable for a few dozen
 // points: planes and corners are found by testing all triples.
-#include "generators/rounded_hull.h"
+#include "generators/shapes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -208,3 +208,18 @@ Scene build_with_materials(std::string name, int triangles, Materials (*add_mate
 }
 
 }  // namespace umbrage::shapes
+
+namespace umbrage {
+
+// ------------------------------------------------------------------------------------------------------ rounded hulls
+
+/// Makes a convex solid whose rounded edges catch light as cast and milled ones do: armour plates, wedges, gems. It is
+/// the convex hull of at least four points that are not all in one plane. Edges and corners are rounded with radius
+/// `bevel` in `segments` steps; faces keep their planes. With 0 segments edges are sharp. The radius must be positive
+/// and less than that of the largest sphere inside. Faces are counter-clockwise from outside.
+Mesh rounded_hull(std::span<const glm::vec3> points, float bevel, int segments);
+inline Mesh rounded_hull(std::initializer_list<glm::vec3> points, float bevel, int segments) {
+  return rounded_hull(std::span<const glm::vec3>(points.begin(), points.size()), bevel, segments);
+}
+
+}  // namespace umbrage

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "generators/makers.h"
-#include "generators/rounded_hull.h"
 #include "generators/shapes.h"
 
 namespace umbrage {

@@ -1,4 +1,3 @@
-#include "importer/gltf_mesh.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "importer/texture_cache.h"
 
 namespace umbrage {

@@ -13,7 +13,7 @@
 #include <optional>
 #include <system_error>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "importer/material_rules.h"
 #include "importer/texture_cache.h"
 #include "scene/scene.h"

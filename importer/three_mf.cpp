@@ -20,9 +20,7 @@
 
 #include "importer/importer.h"
 #include "importer/placed_mesh.h"
-#include "importer/three_mf_beams.h"
-#include "importer/three_mf_slicer.h"
-#include "importer/three_mf_xml.h"
+#include "importer/three_mf_parts.h"
 #include "scene/readers/texture_file.h"
 #include "scene/readers/vertex_colors.h"
 #include "scene/readers/whole_file.h"

@@ -1,4 +1,3 @@
-#include "importer/three_mf_beams.h"
 
 #include <cmath>
 #include <cstdint>
@@ -6,7 +5,7 @@
 #include <glm/gtc/constants.hpp>
 #include <map>
 
-#include "importer/three_mf_xml.h"
+#include "importer/three_mf_parts.h"
 
 namespace umbrage {
 namespace {

@@ -1,11 +1,10 @@
-#include "importer/three_mf_slicer.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "core/lowercase.h"
-#include "importer/gltf_json.h"
-#include "importer/three_mf_xml.h"
+#include "importer/gltf_file.h"
+#include "importer/three_mf_parts.h"
 
 namespace umbrage {
 namespace {

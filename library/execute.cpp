@@ -10,9 +10,9 @@
 #include "library/job.h"
 #include "library/shared.h"
 #include "renderer/passes.h"
-#include "renderer/reduced_rows.h"
-#include "renderer/setting_warnings.h"
-#include "renderer/shade.h"
+#include "renderer/recipe.h"
+#include "renderer/shade_file.h"
+#include "renderer/strips.h"
 #include "renderer/written_passes.h"
 
 namespace umbrage {

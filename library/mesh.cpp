@@ -6,7 +6,7 @@
 #include <span>
 
 #include "core/lists.h"
-#include "core/srgb.h"
+#include "core/color.h"
 #include "core/suggest.h"
 #include "library/scene.h"
 #include "library/shared.h"

@@ -10,7 +10,7 @@
 
 #include "devices/cpu/cpu_device.h"
 #include "library/shared_gbuffer.h"
-#include "renderer/shade.h"
+#include "renderer/shade_file.h"
 #include "umbrage/umbrage.h"
 
 namespace umbrage {

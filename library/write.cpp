@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "io/image_file.h"
 #include "io/svg.h"
 #include "library/object.h"

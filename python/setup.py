@@ -32,7 +32,7 @@ setup(
     python_requires=">=3.8",
     install_requires=["numpy>=1.17"],
     packages=["umbrage"],
-    package_data={"umbrage": ["py.typed", "*.so.*", "umbrage-import", "licences/*"]},
+    package_data={"umbrage": ["py.typed", "*.inc", "*.so.*", "umbrage-import", "licences/*"]},
     zip_safe=False,
     distclass=Binary,
     cmdclass={"bdist_wheel": Wheel},

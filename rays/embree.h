@@ -1,5 +1,5 @@
 // Embree 3 or 4. The only header that knows which: other code has the types that both share, and the context and the
-// calls below.
+// calls below. Devices are limited to the instruction set in use.
 #pragma once
 #if UMBRAGE_EMBREE >= 4
 #include <embree4/rtcore.h>
@@ -12,8 +12,13 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <string_view>
+
+#include "core/result.h"
 
 namespace umbrage {
+
+struct Scene;  // scene/scene.h
 
 /// Whether the rays of a packet have similar paths, such as those of neighbouring pixels from one camera.
 enum class Coherence { kCoherent, kIncoherent };
@@ -136,5 +141,16 @@ inline void occluded(const int* valid, RTCScene scene, int width, RayContext& co
   if (width == 8) return trace_in_parts<RTCRay8>(valid, scene, rays, context);
   trace_in_parts<RTCRay4>(valid, scene, rays, context);
 }
+
+/// Creates a device that uses no wider instructions than isa_in_use() (kernel/isa.h). Throws std::bad_alloc if memory
+/// is exhausted. Errors: kDevice if Embree cannot start for another reason.
+Result<RTCDevice> new_embree_device();
+
+/// Returns the kDevice error for a scene for which Embree could not build a hierarchy.
+Error build_error(const Scene& scene, RTCError error);
+
+/// Returns the name of the widest instruction set that Embree's kernels use on this machine, as in kernel/isa.h, or
+/// "sse2"; "none" if Embree cannot start.
+std::string_view isa_of_embree();
 
 }  // namespace umbrage

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "core/srgb.h"
+#include "core/color.h"
 
 namespace umbrage {
 namespace {

@@ -9,8 +9,8 @@
 #include <glm/vec4.hpp>
 #include <limits>
 
-#include "core/watch.h"
-#include "rays/embree_device.h"
+#include "core/progress.h"
+#include "rays/embree.h"
 #include "scene/points.h"
 
 namespace umbrage {

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "core/check.h"
-#include "core/srgb.h"
+#include "core/color.h"
 #include "reference/metrics.h"
 
 namespace umbrage {

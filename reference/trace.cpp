@@ -20,7 +20,6 @@
 #include "rays/hit_light.h"
 #include "rays/pixel_material.h"
 #include "rays/ray_packet.h"
-#include "rays/traced_lights.h"
 #include "reference/metal_rough.h"
 #include "reference/sampler.h"
 

@@ -7,7 +7,7 @@
 
 #include "core/gbuffer.h"
 #include "core/image.h"
-#include "core/ray_settings.h"
+#include "core/effect.h"
 #include "core/result.h"
 #include "rays/traced_scene.h"
 #include "reference/held_occluders.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "devices/shared/capture_support.h"
 #include "draw_picture.h"
 #include "renderer/strips.h"

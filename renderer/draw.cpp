@@ -8,7 +8,6 @@
 #include "reference/reference.h"
 #include "renderer/average.h"
 #include "renderer/drawing.h"
-#include "renderer/exposure.h"
 #include "renderer/marked_samples.h"
 
 namespace umbrage {

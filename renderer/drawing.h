@@ -1,5 +1,8 @@
-// Drawing: what all pictures of one drawing share: the device, the look, times and progress. Internal to renderer/.
+// Drawing: what all pictures of one drawing share: the device, the look, times, progress, and the exposure that is
+// metered on a small picture before them. Internal to renderer/.
 #pragma once
+#include <optional>
+
 #include "core/device.h"
 #include "renderer/plan.h"
 #include "renderer/times.h"
@@ -63,5 +66,15 @@ struct Drawing {
   /// the pixels of the first sample if others are drawn at them only: see marked_samples.h.
   Result<Frame> capture(const Plan& plan, const Camera& camera) const;
 };
+
+inline constexpr int kMeteredSide = 192;  ///< max. side of the small picture, pixels
+
+/// Returns whether the exposure of a plan's picture is metered on a picture.
+bool meters_picture(const Plan& plan);
+
+/// Returns the stops that metering adds to the exposure; those of drawing.run if it has any. They are metered on a
+/// small picture of Plan::metered, or of the plan's own view, in which blended surfaces are opaque. Empty if nothing is
+/// metered on a picture. Errors: kInterrupted; the errors of the device.
+Result<std::optional<float>> metered_exposure(const Drawing& drawing, const Plan& plan);
 
 }  // namespace umbrage

@@ -12,7 +12,7 @@
 
 #include "core/check.h"
 #include "core/reflection_map.h"
-#include "core/srgb.h"
+#include "core/color.h"
 #include "io/format.h"
 #include "scene/readers/import_in_child_process.h"
 #include "scene/readers/texture_file.h"

@@ -1,16 +1,62 @@
 #include "renderer/marked_samples.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "core/check.h"
 #include "core/lists.h"
 #include "devices/shared/capture_info.h"
 #include "effects/effects.h"
 #include "effects/resample/resample.h"
-#include "renderer/masks.h"
 
 namespace umbrage {
 namespace {
+
+/// Returns 1 for the pixels that are above 0 or within this distance, across and down, of one that is, else 0.
+Plane grown(const Plane& from, const Margin& by) {
+  Plane across(from.width, from.height, 0.0f), all(from.width, from.height, 0.0f);
+  for (int y = 0; y < from.height; ++y)
+    for (int x = 0, end = 0; x < from.width; ++x)
+      if (from.row(y)[x] > 0.0f)
+        for (end = std::max(end, x - by.columns); end <= std::min(x + by.columns, from.width - 1); ++end)
+          across.row(y)[end] = 1.0f;
+  std::vector<int> end(std::size_t(from.width));  // of each column: rows above are done
+  for (int y = 0; y < from.height; ++y)
+    for (int x = 0; x < from.width; ++x)
+      if (across.row(y)[x] > 0.0f) {
+        int& row = end[std::size_t(x)];
+        for (row = std::max(row, y - by.rows); row <= std::min(y + by.rows, from.height - 1); ++row)
+          all.row(row)[x] = 1.0f;
+      }
+  return all;
+}
+
+constexpr int kBlock = 4;  // side of the blocks of pixels that are captured together, in strips and in whole pictures
+
+/// Returns the end of the block of pixels that has the row above this one. Pixels of a block are captured together.
+int block_end(int row) { return (row + kBlock - 1) / kBlock * kBlock; }
+
+/// Returns a mask of all blocks that have a pixel of this one. Then a strip captures each block as a whole picture
+/// does.
+PixelMask with_whole_blocks(PixelMask mask) {
+  const int width = mask.plane.width, end = mask.first_row + mask.plane.height;
+  for (int y0 = mask.first_row; y0 < end; y0 += kBlock)
+    for (int x0 = 0; x0 < width; x0 += kBlock) {
+      const int x1 = std::min(x0 + kBlock, width), y1 = std::min(y0 + kBlock, end);
+      if (!mask.any(x0, x1, y0, y1)) continue;
+      for (int y = y0; y < y1; ++y) std::fill_n(mask.plane.row(y - mask.first_row) + x0, x1 - x0, 1.0f);
+    }
+  return mask;
+}
+
+/// Returns the rows of `within` at which a mask has pixels, extended to whole blocks. `within` begins with a block.
+Rows rows_of(const PixelMask& mask, const Rows& within) {
+  Rows rows{within.end, within.begin};
+  for (int y = within.begin; y < within.end; ++y)
+    if (mask.any(0, mask.plane.width, y, y + 1)) rows = {std::min(rows.begin, y), y + 1};
+  if (rows.count() <= 0) return {};
+  return {rows.begin / kBlock * kBlock, std::min(block_end(rows.end), within.end)};
+}
 
 constexpr float kNoEdge = 1.0f;  // no difference of square roots exceeds it
 

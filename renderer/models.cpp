@@ -58,7 +58,7 @@ void append_scene(Scene next, Scene& all) {
   for (std::string& warning : next.warnings) all.warnings.push_back(std::move(warning));
   all.bounds_min = glm::min(all.bounds_min, next.bounds_min);
   all.bounds_max = glm::max(all.bounds_max, next.bounds_max);
-  all.shape_facts = new_shape_facts();
+  all.shape_facts = std::make_shared<ShapeFacts>();
   all.views.clear();
   all.scene_names.clear();
   all.animation_names.clear();

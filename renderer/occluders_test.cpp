@@ -1,12 +1,12 @@
 // Coarse occluders on their way from the scene to a technique: made once per scene, on request, for every device.
 #include <gtest/gtest.h>
 
-#include "core/occluders.h"
+#include "core/gbuffer.h"
 #include "devices/cpu/cpu_device.h"
 #include "generators/builtin.h"
 #include "renderer/draw.h"
 #include "renderer/plan.h"
-#include "renderer/setting_warnings.h"
+#include "renderer/recipe.h"
 #include "vulkan_support.h"
 
 namespace umbrage {

@@ -1,6 +1,6 @@
 // The options of the picture, its light, the device, and the files, in the order of the help.
 #include "looks/looks.h"
-#include "looks/style.h"
+#include "looks/presets.h"
 #include "renderer/accumulation.h"
 #include "renderer/option_rows.h"
 #include "renderer/recipe.h"

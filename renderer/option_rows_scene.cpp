@@ -1,6 +1,6 @@
 // The options of the model, the camera and the technique, in the order of the help.
 #include "core/device.h"
-#include "looks/quality.h"
+#include "looks/presets.h"
 #include "renderer/option_rows.h"
 
 namespace umbrage {

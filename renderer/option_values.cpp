@@ -5,7 +5,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "core/color_names.h"
+#include "core/color.h"
 #include "core/lists.h"
 #include "core/suggest.h"
 #include "renderer/options.h"

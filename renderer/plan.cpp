@@ -18,7 +18,7 @@
 #include "rays/interior_lights.h"
 #include "reference/reference.h"
 #include "renderer/accumulation.h"
-#include "renderer/exposure.h"
+#include "renderer/drawing.h"
 #include "renderer/marked_samples.h"
 #include "renderer/passes.h"
 #include "scene/ground.h"

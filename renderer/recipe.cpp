@@ -5,15 +5,14 @@
 #include <glm/geometric.hpp>
 
 #include "core/check.h"
+#include "core/color.h"
 #include "core/lists.h"
-#include "core/srgb.h"
 #include "core/suggest.h"
 #include "effects/antialias/antialias.h"
 #include "effects/ground/ground.h"
 #include "effects/output/output.h"
 #include "effects/resample/resample.h"
-#include "looks/quality.h"
-#include "looks/style.h"
+#include "looks/presets.h"
 #include "reference/reference.h"
 #include "renderer/marked_samples.h"
 #include "renderer/passes.h"

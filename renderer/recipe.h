@@ -1,10 +1,12 @@
 // Recipe: a request resolved as far as possible without its model. Names are resolved, values are parsed and checked.
 #pragma once
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/device.h"
@@ -12,6 +14,7 @@
 #include "program/program.h"
 #include "renderer/hdri.h"
 #include "renderer/options.h"
+#include "renderer/request.h"
 #include "scene/framing.h"
 #include "scene/readers/import.h"
 
@@ -117,5 +120,12 @@ bool uses_scene_lights(const Effect& effect, const EffectSettings& settings);
 bool uses_scene_lights(const Recipe& recipe);
 /// Returns whether the picture depends on the brightness of the scene's lights.
 bool depends_on_light_brightness(const Recipe& recipe);
+
+/// Returns warnings about settings that do not affect the picture, and about former names of parameters, one sentence
+/// each. `scene`: null for a G-buffer. `is_reported`: returns whether to warn that
+/// this "effect.parameter=value" does nothing; settings for other looks may be intended. `word` precedes settings.
+std::vector<std::string> setting_warnings(const Request& request, const Recipe& recipe, const Scene* scene,
+                                          const std::function<bool(std::string_view setting)>& is_reported,
+                                          std::string_view word = "`settings` ");
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-#include "renderer/setting_warnings.h"
+#include "renderer/recipe.h"
 
 #include <fmt/format.h>
 

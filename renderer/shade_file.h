@@ -1,4 +1,4 @@
-// Shades the G-buffer in image files, whole or in strips.
+// Shades G-buffers of other renderers: planes as a whole picture, and image files whole or in strips.
 #pragma once
 #include <functional>
 #include <memory>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gbuffers/gbuffer_file.h"
+#include "renderer/draw.h"
 #include "renderer/recipe.h"
 #include "renderer/strips.h"
 #include "renderer/times.h"
@@ -60,5 +61,16 @@ Result<SequenceStart> shade_strips(Device& device, const GBufferFile& file, cons
                                    const std::vector<std::string>& planes, const TakeRows& take,
                                    const std::optional<SequenceStart>& start, StageTimes& times,
                                    const ProgressMonitor& monitor = {});
+
+/// Returns a recipe from make_shading_recipe with its radius in scene units. If `info` of a G-buffer has no lights, a
+/// look gets the default lights, placed relative to the camera as for a model without lights. Errors: kUsage for a
+/// radius larger than the scene.
+Result<Recipe> complete_shading(const Recipe& recipe, PictureInfo& info);
+
+/// Shades a G-buffer of another renderer with a recipe from make_shading_recipe. Missing normals are reconstructed from
+/// depth. `stops`: exposure of another picture, used in place of metering. Errors: kUsage for missing planes; those of
+/// complete_shading; kInterrupted.
+Result<Drawn> shade_planes(Device& device, GBuffer gbuffer, const Recipe& recipe, StageTimes& times,
+                           const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
 
 }  // namespace umbrage

@@ -7,14 +7,13 @@
 #include <cstring>
 #include <filesystem>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
 #include "renderer/models.h"
-#include "renderer/reduced_rows.h"
-#include "renderer/shade.h"
 #include "renderer/shade_file.h"
+#include "renderer/strips.h"
 #include "support.h"
 
 namespace umbrage {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/lists.h"
-#include "core/srgb.h"
+#include "core/color.h"
 #include "devices/shared/dispatches.h"
 #include "effects/hidden/hidden.h"
 #include "effects/outline/outline.h"

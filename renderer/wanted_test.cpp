@@ -1,12 +1,14 @@
-// Only requested passes are captured and computed.
+// Only requested passes are captured and computed; their values at pixels without surface.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "devices/cpu/cpu_device.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"
 #include "renderer/passes.h"
+#include "renderer/written_passes.h"
 
 namespace umbrage {
 namespace {
@@ -158,6 +160,22 @@ TEST(Wanted, PlansReportPassesThatTheSceneLacks) {
       }
   EXPECT_GT(refused, 10);
   EXPECT_GT(made, 10);
+}
+
+TEST(Background, PlanesOfMaterialsHaveThoseOfACaptureWithoutSurface) {
+  Image image(3, 1);
+  image.add("depth") = Plane(3, 1, 2.0f);
+  image.plane("depth").at(1, 0) = std::numeric_limits<float>::infinity();
+  image.add("object_id") = Plane(3, 1, 0.0f);
+  image.plane("object_id").at(2, 0) = 7.0f;  // the unseen ground
+  const std::pair<const char*, float> expected[] = {{"metallic", 0.0f}, {"roughness", -1.0f}, {"material_ao", 1.0f}};
+  for (const auto& [name, value] : expected) image.add(name) = Plane(3, 1, 0.5f);
+  set_background(image, 7);
+  for (const auto& [name, value] : expected) {
+    EXPECT_EQ(image.plane(name).at(0, 0), 0.5f) << name;
+    EXPECT_EQ(image.plane(name).at(1, 0), value) << name;
+    EXPECT_EQ(image.plane(name).at(2, 0), value) << name;
+  }
 }
 
 }  // namespace

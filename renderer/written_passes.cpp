@@ -9,7 +9,7 @@
 #include <set>
 
 #include "core/lists.h"
-#include "core/srgb.h"
+#include "core/color.h"
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "renderer/passes.h"

@@ -1,6 +1,6 @@
 // Faces of different meshes in one plane: where they overlap, rounding would decide at each pixel which is in front.
 // Triangles are sorted by their plane, rounded; overlaps within a plane are found by a sweep over boxes.
-#include "scene/coplanar.h"
+#include "scene/finish.h"
 
 #include <algorithm>
 #include <bit>

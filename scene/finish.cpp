@@ -183,7 +183,7 @@ bool show_if_invisible(Scene& scene) {
 std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg, const PointSettings& points, Poll* poll,
                          BoundsOf bounds) {
   std::size_t dropped = 0;
-  scene.shape_facts = new_shape_facts();
+  scene.shape_facts = std::make_shared<ShapeFacts>();
   if (scene.materials.empty()) scene.materials.emplace_back();
   for (Material& material : scene.materials) {
     for (int* texture : textures_of(material)) {

@@ -1,4 +1,4 @@
-// The last step of building a scene: normals, removal of unusable triangles and points, bounds.
+// The last step of building a scene: normals, removal of unusable triangles and points, bounds, faces in one plane.
 #pragma once
 #include <glm/mat4x4.hpp>
 #include <limits>
@@ -46,5 +46,12 @@ struct SceneBox {
 
 /// Extends the box by the triangles of a mesh that finish_scene would keep, transformed by `world_from_mesh`.
 void add_triangles(const Mesh& mesh, const glm::mat4& world_from_mesh, SceneBox& box);
+
+/// Moves faces that overlap a face of an earlier mesh in the same plane to its front, by 1e-5 of the scene's radius, so
+/// that they hide it. "Front" is the side of the earlier face's normals, since a decal may be wound either way. The
+/// vertices at one position move together. Surfaces are seen from both sides, and those of a ground may face down: then a
+/// copy of the moved faces, unless they are blended, hides the upper side, in meshes without a name that are added to the
+/// scene. For a finished scene. Returns the number of faces moved. If the poll ends, only some of them move.
+std::size_t separate_coplanar_faces(Scene& scene, Poll* poll = nullptr);
 
 }  // namespace umbrage

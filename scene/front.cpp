@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/lowercase.h"
-#include "scene/shape_facts.h"
+#include "scene/scene.h"
 #include "scene/strays.h"
 
 namespace umbrage {

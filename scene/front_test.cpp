@@ -12,7 +12,7 @@
 
 #include "scene/finish.h"
 #include "scene/framing.h"
-#include "scene/shape_facts.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 namespace {

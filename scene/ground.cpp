@@ -11,7 +11,7 @@
 #include <limits>
 #include <utility>
 
-#include "scene/shape_facts.h"
+#include "scene/scene.h"
 #include "scene/strays.h"
 
 namespace umbrage {

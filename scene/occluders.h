@@ -3,7 +3,7 @@
 #pragma once
 #include <memory>
 
-#include "core/occluders.h"
+#include "core/gbuffer.h"
 #include "scene/scene.h"
 
 namespace umbrage {

@@ -18,7 +18,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "core/absolute_length.h"
+#include "core/parameters.h"
 #include "core/basis.h"
 #include "core/eigen.h"
 #include "core/lists.h"

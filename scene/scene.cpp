@@ -6,11 +6,8 @@
 #include <glm/common.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scene/shape_facts.h"
 
 namespace umbrage {
-
-std::shared_ptr<ShapeFacts> new_shape_facts() { return std::make_shared<ShapeFacts>(); }
 
 float Scene::radius() const {
   const double x = double(bounds_max.x) - double(bounds_min.x), y = double(bounds_max.y) - double(bounds_min.y),

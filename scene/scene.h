@@ -8,6 +8,8 @@
 #include <memory>
 #include <string>
 #include <vector>
+#include <mutex>
+#include <optional>
 
 #include "core/light.h"
 
@@ -93,8 +95,32 @@ struct View {
   std::string name;
 };
 
-struct ShapeFacts;
-std::shared_ptr<ShapeFacts> new_shape_facts();
+/// A fact that depends on an up direction. Keeps that of the last one.
+template <class Fact>
+class KeptFact {
+ public:
+  /// Returns the fact for `up`, from find() if it is not known. Several threads may call this: one of them finds it.
+  template <class Find>
+  Fact of(const glm::vec3& up, const Find& find) {
+    const std::lock_guard lock(mutex_);
+    if (!fact_ || up_ != up) fact_ = find(), up_ = up, ++found_;
+    return *fact_;
+  }
+  /// Returns how often the fact was found.
+  int found() const { return found_; }
+
+ private:
+  std::mutex mutex_;
+  std::optional<Fact> fact_;
+  glm::vec3 up_{0.0f};
+  int found_ = 0;
+};
+
+/// Facts of a scene's shape that take a pass over all its triangles: each is found once, not once per picture.
+struct ShapeFacts {
+  KeptFact<glm::vec3> front;            ///< of scene/front.h
+  KeptFact<std::vector<float>> relief;  ///< of scene/ground.h
+};
 
 struct Scene {
   std::string name;
@@ -124,9 +150,9 @@ struct Scene {
   /// Distance from the centre of the disc at which shadows on the disc have faded out; 0: they do not fade.
   float ground_fade_distance = 0.0f;
   std::vector<std::string> warnings;  ///< one sentence each, shown to the user
-  /// Found on demand (scene/shape_facts.h) and shared by copies of the scene, which differ in materials, lights and the
+  /// Found on demand and shared by copies of the scene, which differ in materials, lights and the
   /// ground. New after finish_scene and whatever else changes the model's shape.
-  std::shared_ptr<ShapeFacts> shape_facts = new_shape_facts();
+  std::shared_ptr<ShapeFacts> shape_facts = std::make_shared<ShapeFacts>();
 
   glm::vec3 center() const { return 0.5f * (bounds_min + bounds_max); }
   /// Returns half the diagonal of the bounding box, scene units.

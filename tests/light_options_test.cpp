@@ -7,7 +7,7 @@
 #include "generators/builtin.h"
 #include "renderer/draw.h"
 #include "renderer/hdri.h"
-#include "renderer/setting_warnings.h"
+#include "renderer/recipe.h"
 #include "support.h"
 
 namespace umbrage {

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "draw_picture.h"
 #include "generators/builtin.h"
 #include "hue.h"

@@ -20,7 +20,7 @@
 #include "renderer/models.h"
 #include "scene/finish.h"
 #include "scene/ground.h"
-#include "scene/shape_facts.h"
+#include "scene/scene.h"
 #include "support.h"
 
 namespace umbrage {

@@ -11,7 +11,7 @@
 
 #include "build_paths.h"
 #include "core/check.h"
-#include "core/occluders.h"
+#include "core/gbuffer.h"
 #include "kernel/isa.h"
 
 namespace umbrage::test {

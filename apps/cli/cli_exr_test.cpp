@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "cli_support.h"
-#include "core/srgb.h"
+#include "core/color.h"
 #include "vulkan_support.h"
 
 namespace umbrage {

@@ -12,7 +12,7 @@
 #include "effects/effects.h"
 #include "generators/builtin.h"
 #include "kernel/isa.h"
-#include "looks/quality.h"
+#include "looks/presets.h"
 
 namespace umbrage::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "run_program.h"
 #include "scene/readers/texture_file.h"
 

@@ -22,7 +22,7 @@
 #include "io/image_file.h"
 #include "renderer/draw.h"
 #include "renderer/passes.h"
-#include "renderer/setting_warnings.h"
+#include "renderer/recipe.h"
 #include "renderer/strips.h"
 #include "renderer/strokes.h"
 #include "renderer/written_passes.h"

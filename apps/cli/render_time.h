@@ -6,7 +6,7 @@
 #include "apps/cli/render_options.h"
 #include "renderer/draw.h"
 #include "renderer/plan.h"
-#include "renderer/time_limit.h"
+#include "renderer/times.h"
 
 namespace umbrage::cli {
 

@@ -15,7 +15,7 @@
 #include "apps/cli/shade_frame.h"
 #include "apps/cli/standard_input.h"
 #include "gbuffers/roles.h"
-#include "renderer/setting_warnings.h"
+#include "renderer/recipe.h"
 
 namespace umbrage::cli {
 namespace {

@@ -11,7 +11,7 @@
 #include "apps/compare/report.h"
 #include "faulty_vulkan.h"
 #include "generators/builtin.h"
-#include "looks/quality.h"
+#include "looks/presets.h"
 #include "reference/reference.h"
 #include "renderer/devices.h"
 #include "run_program.h"

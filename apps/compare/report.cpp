@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/check.h"
-#include "core/srgb.h"
+#include "core/color.h"
 #include "core/version.h"
 #include "io/image_file.h"
 

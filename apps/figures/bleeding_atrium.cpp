@@ -4,7 +4,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 
-#include "apps/figures/bleeding_atrium.h"
+#include "apps/figures/bleeding.h"
 #include "apps/figures/measure.h"
 #include "core/check.h"
 

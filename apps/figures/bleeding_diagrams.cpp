@@ -1,4 +1,4 @@
-#include "apps/figures/bleeding_diagrams.h"
+#include "apps/figures/bleeding.h"
 
 #include <algorithm>
 #include <array>

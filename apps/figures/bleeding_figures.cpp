@@ -8,8 +8,7 @@
 #include <set>
 #include <tuple>
 
-#include "apps/figures/bleeding_atrium.h"
-#include "apps/figures/bleeding_diagrams.h"
+#include "apps/figures/bleeding.h"
 #include "apps/figures/measure.h"
 #include "apps/figures/studio.h"
 #include "core/check.h"

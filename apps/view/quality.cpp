@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "looks/quality.h"
+#include "looks/presets.h"
 #include "reference/reference.h"
 #include "renderer/options.h"
 

@@ -14,9 +14,8 @@
 
 #include "renderer/models.h"
 #include "renderer/passes.h"
-#include "renderer/reduced_rows.h"
-#include "renderer/shade.h"
 #include "renderer/shade_file.h"
+#include "renderer/strips.h"
 #include "renderer/written_passes.h"
 #include "scene/framing.h"
 

@@ -16,7 +16,7 @@
 #include <new>
 
 #include "core/guarded.h"
-#include "core/watch.h"
+#include "core/progress.h"
 #include "devices/cpu/capture_block.h"
 #include "devices/cpu/soften.h"
 #include "devices/shared/capture_info.h"

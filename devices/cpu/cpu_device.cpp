@@ -12,7 +12,7 @@
 
 #include "core/check.h"
 #include "core/guarded.h"
-#include "core/watch.h"
+#include "core/progress.h"
 #include "devices/cpu/capture.h"
 #include "devices/cpu/cpu_planes.h"
 #include "devices/cpu/soften.h"
@@ -21,7 +21,7 @@
 #include "devices/shared/planes.h"
 #include "kernel/isa.h"
 #include "kernel/kernel_frame.h"
-#include "rays/embree_device.h"
+#include "rays/embree.h"
 #include "scene/occluders.h"
 
 namespace umbrage {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "devices/shared/dispatches.h"
-#include "devices/shared/soften_dispatches.h"
+#include "devices/shared/capture_info.h"
 #include "kernel/kernel_frame.h"
 
 namespace umbrage {

@@ -1,4 +1,4 @@
-// Filtering of soft shadows on the CPU: runs the dispatches of devices/shared/soften_dispatches.h where shadows change.
+// Filtering of soft shadows on the CPU: runs the dispatches of devices/shared/capture_info.h where shadows change.
 #pragma once
 #include <span>
 

@@ -3,7 +3,7 @@
 #include "core/effect.h"
 #include "core/gbuffer.h"
 #include "core/strip.h"
-#include "core/watch.h"
+#include "core/progress.h"
 #include "kernel/kernel_frame.h"
 #include "rays/traced_scene.h"
 

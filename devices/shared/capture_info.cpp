@@ -7,6 +7,8 @@
 #include "core/lists.h"
 #include "rays/extra_cameras.h"
 #include "rays/shadow_lights.h"
+#include "kernels/soften.h"
+#include "kernels/soften_reach.h"
 
 namespace umbrage {
 namespace {
@@ -90,6 +92,21 @@ std::vector<int> softened_lights(const PictureInfo& info, const CaptureSettings&
     for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMaxShadows}); ++k)
       if (casts_visible_shadow(info.lights[k]) && light_size(info.lights[k]) > 0.0f) soft.push_back(k);
   return soft;
+}
+
+const Dispatch& soften_reach_dispatch() {
+  static const Dispatch dispatch = {
+      .name = "soften reach", .inputs = {"penumbra"}, .outputs = {"soften_reach"}, .kernel = soften_reach_kernel()};
+  return dispatch;
+}
+
+const Dispatch& soften_dispatch() {
+  static const Dispatch dispatch = {
+      .name = "soften",
+      .inputs = {"depth", "normal.x", "normal.y", "normal.z", "soften_from", "soften_reach"},
+      .outputs = {"soften_to"},
+      .kernel = soften_kernel()};
+  return dispatch;
 }
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// The picture information and the planes of a capture, for all devices.
+// The picture information and the planes of a capture, and the dispatches that soften its shadows, for all devices.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,6 +7,7 @@
 #include "devices/shared/soften.h"
 #include "rays/traced_scene.h"
 #include "scene/scene.h"
+#include "core/effect.h"
 
 namespace umbrage {
 
@@ -28,5 +29,13 @@ std::vector<int> softened_lights(const PictureInfo& info, const CaptureSettings&
 /// kSoftenReachBlocks - 1 blocks, and its width there depends on penumbrae up to kSoftenReachBlocks blocks farther
 /// away.
 inline constexpr int kSoftenMargin = (2 * kSoftenReachBlocks - 1) * kSoftenBlock;
+
+/// Returns the dispatch that computes `soften_reach`, half the width of the second filter, from `penumbra`, the radius
+/// of the penumbra, both in pixels and with one value per block of 4 x 4 pixels. It runs over the blocks as if they
+/// were pixels.
+const Dispatch& soften_reach_dispatch();
+
+/// Returns the dispatch that filters along rows or columns, from `soften_from` to `soften_to`.
+const Dispatch& soften_dispatch();
 
 }  // namespace umbrage

@@ -62,7 +62,7 @@ struct CaptureConstants {
   // Of trace_rays.comp:
   int ray, last_ray;  // index of the ray of each pixel, and that of the last one
   float ray_length;   // unit space
-  int falloff;        // a Falloff of core/ray_settings.h: kNoFalloff and so on
+  int falloff;        // a Falloff of core/effect.h: kNoFalloff and so on
   // The light of the surfaces that its rays hit: HitLighting.
   float light;  // factor
   // As in RaySettings.

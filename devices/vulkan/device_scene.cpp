@@ -5,7 +5,7 @@
 #include <cstring>
 #include <span>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "devices/vulkan/capture.h"
 #include "devices/vulkan/hierarchy.h"
 #include "rays/mip_texture.h"

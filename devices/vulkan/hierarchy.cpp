@@ -8,9 +8,9 @@
 #include <new>
 
 #include "core/check.h"
-#include "core/watch.h"
+#include "core/progress.h"
 #include "devices/vulkan/capture.h"
-#include "rays/embree_device.h"
+#include "rays/embree.h"
 
 namespace umbrage {
 namespace {

@@ -16,7 +16,6 @@
 #include "core/lists.h"
 #include "devices/shared/capture_info.h"
 #include "devices/shared/dispatches.h"
-#include "devices/shared/soften_dispatches.h"
 #include "devices/vulkan/capture.h"
 #include "rays/camera_rays.h"
 #include "rays/hit_light.h"

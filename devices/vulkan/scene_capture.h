@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/device.h"
-#include "core/ray_settings.h"
+#include "core/effect.h"
 #include "devices/shared/dispatches.h"
 #include "devices/vulkan/device_scene.h"
 #include "devices/vulkan/dispatch.h"
@@ -76,7 +76,7 @@ class SceneCapture {
   Result<DevicePlanePtr> draw_triangle_indices(const PictureInfo& info, int layer, const DevicePlanes& planes,
                                                Dispatcher::Constants constants, Dispatcher::Table table);
 
-  /// Softens the shadows of lights that have a size: see devices/shared/soften_dispatches.h.
+  /// Softens the shadows of lights that have a size: see devices/shared/capture_info.h.
   Result<void> soften(const Frame& frame, std::span<const PenumbraPlanes> radii);
 
   GpuPtr gpu_;

@@ -13,7 +13,7 @@ vec3 load3(int slot, int index) {
   return vec3(Floats(table[slot]).at[index], Floats(table[slot + 1]).at[index], Floats(table[slot + 2]).at[index]);
 }
 
-// Returns the weight of an occluder at distance `fraction` times the length of the ray, as in core/ray_settings.h.
+// Returns the weight of an occluder at distance `fraction` times the length of the ray, as in core/effect.h.
 float falloff_weight(float fraction) {
   if (C.falloff == kNoFalloff) return 1.0f;
   if (C.falloff == kLinearFalloff) return 1.0f - fraction;

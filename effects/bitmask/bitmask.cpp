@@ -8,7 +8,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/absolute_length.h"
+#include "core/parameters.h"
 #include "core/effect.h"
 #include "effects/hemisphere/sent_planes.h"
 #include "kernels/bitmask_bent.h"

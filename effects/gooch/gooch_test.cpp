@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "run_effect.h"
 #include "scene/scene.h"
 #include "support.h"

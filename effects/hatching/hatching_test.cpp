@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/hatching/hatching_strokes.h"
 #include "effects/outline/outline_test_scenes.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/absolute_length.h"
+#include "core/parameters.h"
 #include "core/effect.h"
 #include "kernels/hbao.h"
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-#include "core/absolute_length.h"
+#include "core/parameters.h"
 #include "core/effect.h"
 #include "core/hash.h"
 #include "effects/hemisphere/layer_views.h"

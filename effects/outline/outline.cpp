@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/absolute_length.h"
+#include "core/parameters.h"
 #include "core/effect.h"
 #include "effects/outline/outline_draw.h"
 #include "kernels/outline_breaks.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/effect.h"
-#include "core/srgb.h"
+#include "core/color.h"
 #include "kernels/output.h"
 #include "kernels/output_beauty.h"
 #include "kernels/output_parts.h"

@@ -6,7 +6,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-#include "core/srgb.h"
+#include "core/color.h"
 #include "hue.h"
 #include "run_effect.h"
 #include "support.h"

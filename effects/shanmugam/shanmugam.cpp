@@ -6,9 +6,9 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "core/absolute_length.h"
+#include "core/parameters.h"
 #include "core/effect.h"
-#include "core/occluders.h"
+#include "core/gbuffer.h"
 #include "kernels/shanmugam.h"
 
 namespace umbrage {

@@ -9,7 +9,7 @@
 #include <memory>
 #include <numbers>
 
-#include "core/occluders.h"
+#include "core/gbuffer.h"
 #include "run_effect.h"
 #include "support.h"
 #include "waves.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/absolute_length.h"
+#include "core/parameters.h"
 #include "core/effect.h"
 #include "core/hash.h"
 #include "kernels/sphere.h"

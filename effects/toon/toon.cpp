@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "core/absolute_length.h"
+#include "core/parameters.h"
 #include "core/effect.h"
 #include "core/light_rig.h"
 #include "kernels/toon.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/absolute_length.h"
+#include "core/parameters.h"
 #include "core/effect.h"
 #include "kernels/traced_across.h"
 #include "kernels/traced_down.h"

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any, Iterable, List
 
 _MAX_EDIT_DISTANCE = 2  # max edit distance, in letters; for names of up to 4 letters it is 1
@@ -32,19 +33,8 @@ def _distance(a: str, b: str) -> int:
     return last[-1]
 
 
-# What other programs call a parameter, and the names that it may have here; as in core/suggest.h.
-_OTHER_NAMES = {
-    "background": ("background-color",),
-    "dpi": ("resolution", "size"),
-    "fov": ("camera-view-angle", "view_angle_deg"),
-    "height": ("resolution", "size"),
-    "levels": ("steps",),
-    "no-background": ("transparent",),
-    "samples": ("anti-aliasing", "antialiasing"),
-    "size": ("resolution",),
-    "transparent": ("no-background",),
-    "width": ("resolution", "size"),
-}
+# What other programs call a parameter, and a name that it may have here: the table of core/suggest.h.
+_OTHER_NAMES = re.findall(r'"(.+)", "(.+)"', (Path(__file__).parent / "other_names.inc").read_text("utf-8"))
 
 
 def _nearest(word: str, names: List[str]) -> str:
@@ -58,9 +48,9 @@ def _nearest(word: str, names: List[str]) -> str:
     if nearest:
         return nearest
     word = word.replace("_", "-")
-    for other in _OTHER_NAMES.get(word, ()):
-        if other in names:
-            return other
+    for other, own in _OTHER_NAMES:
+        if other == word and own in names:
+            return own
     parts = [name for name in names if word in re.split(r"[-_.]", name)]
     return min(parts, key=len, default="")
 

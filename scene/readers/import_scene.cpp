@@ -23,7 +23,6 @@
 #include "core/lists.h"
 #include "core/lowercase.h"
 #include "core/printable.h"
-#include "scene/coplanar.h"
 #include "scene/finish.h"
 #include "scene/readers/content.h"
 #include "scene/readers/import_in_child_process.h"

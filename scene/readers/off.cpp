@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/readers/face_attributes.h"
 #include "scene/readers/polygon.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"

@@ -11,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/readers/face_attributes.h"
 #include "scene/readers/ply_parts.h"
 #include "scene/readers/polygon.h"
 #include "scene/readers/positions.h"

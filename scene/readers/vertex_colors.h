@@ -4,7 +4,7 @@
 #include <array>
 #include <glm/vec3.hpp>
 
-#include "core/srgb.h"
+#include "core/color.h"
 
 namespace umbrage {
 

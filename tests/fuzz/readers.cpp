@@ -23,10 +23,8 @@
 #include "scene/readers/mtl.h"
 #include "scene/readers/obj.h"
 #include "scene/readers/obj_text.h"
-#include "scene/readers/radiance.h"
 #include "scene/readers/texture_file.h"
 #include "scene/readers/transfer.h"
-#include "seeds.h"
 
 namespace umbrage::fuzz {
 namespace {

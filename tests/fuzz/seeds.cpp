@@ -1,4 +1,4 @@
-#include "seeds.h"
+#include "readers.h"
 
 #include <fmt/format.h>
 #include <sys/mman.h>

@@ -1,18 +1,14 @@
-// The hand-written shader hemisphere.glsl, with planes in bound storage buffers (buffers.glsl).
+// The hand-written shader hemisphere.glsl, with planes in bound storage buffers.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "effects/hemisphere/hemisphere.h"
 #include "kernel/frame_constants.h"
 
-layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 0, scalar) uniform constants_block {
   FrameConstants F;
   HemisphereConstants C;
 };
-layout(set = 0, binding = 5, scalar) writeonly buffer ao_plane { float ao[]; };
-#include "tests/glsl/buffers.glsl"
-
-#include "tests/glsl/position.glsl"
+#define PLANES_IN_BUFFERS
+#include "tests/glsl/by_hand.glsl"
 #include "tests/glsl/hemisphere.glsl"
-#include "tests/glsl/main.glsl"
