@@ -1,21 +1,28 @@
 # Install rules, in five components: program, lab (umbrage-lab), library (shared), development, python (only on request).
 include(CMakePackageConfigHelpers)
+# Builds what is installed, and no tests.
+add_custom_target(umbrage_installation)
 # CMake's own check comes file by file: without this one, an installation that lacks a file stops half-done.
-# umbrage_check_built(COMPONENT TARGET...): before anything is installed, checks that these targets have been built.
-function(umbrage_check_built component)
-  foreach(target ${ARGN})
-    install(CODE "if(NOT EXISTS \"$<TARGET_FILE:${target}>\")
-  message(FATAL_ERROR \"$<TARGET_FILE_NAME:${target}> is not built: build everything first, with cmake --build ${PROJECT_BINARY_DIR}\")
+# umbrage_built_for(COMPONENT TARGET FILE...): the target belongs to the installation, which begins only if the files exist.
+function(umbrage_built_for component target)
+  add_dependencies(umbrage_installation ${target})
+  foreach(file ${ARGN})
+    install(CODE "if(NOT EXISTS \"${file}\")
+  message(FATAL_ERROR \"${file} is not built: build what is installed first, with cmake --build ${PROJECT_BINARY_DIR} --target umbrage_installation\")
 endif()" COMPONENT ${component})
   endforeach()
 endfunction()
-umbrage_check_built(program umbrage umbrage-import)
-umbrage_check_built(lab umbrage-lab)
+umbrage_built_for(program umbrage $<TARGET_FILE:umbrage>)
+umbrage_built_for(program umbrage-import $<TARGET_FILE:umbrage-import>)
+if(TARGET umbrage_manual)
+  umbrage_built_for(program umbrage_manual ${UMBRAGE_MANUAL})
+endif()
+umbrage_built_for(lab umbrage-lab $<TARGET_FILE:umbrage-lab>)
 if(TARGET umbrage_shared)
-  umbrage_check_built(library umbrage_shared)
+  umbrage_built_for(library umbrage_shared $<TARGET_FILE:umbrage_shared>)
 endif()
 if(TARGET umbrage_static)
-  umbrage_check_built(development umbrage_static)
+  umbrage_built_for(development umbrage_static $<TARGET_FILE:umbrage_static>)
 endif()
 install(TARGETS umbrage RUNTIME COMPONENT program)
 # The program and the library start umbrage-import to read models.
@@ -36,7 +43,7 @@ install(DIRECTORY effects reference TYPE DOC COMPONENT program FILES_MATCHING PA
 # The thumbnailer of file managers, and the MIME types that it names and shared-mime-info lacks.
 install(DIRECTORY apps/share/ TYPE DATA COMPONENT program)
 # The manual page and shell completions, which apps/CMakeLists.txt generates with the program.
-if(NOT CMAKE_CROSSCOMPILING)
+if(TARGET umbrage_manual)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ TYPE DATA COMPONENT program)
 endif()
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT development

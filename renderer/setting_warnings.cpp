@@ -40,14 +40,19 @@ void warn_about_effects(const Request& request, const Recipe& recipe, std::strin
   }
 }
 
-/// Adds a warning for each effect that needs several layers if the request sets one.
+/// Adds a warning for each effect that needs several layers if the request sets one, or not all of them fit.
 void warn_about_layers(const Request& request, const Recipe& recipe, std::string_view word,
                        std::vector<std::string>& sentences) {
-  if (request.layers != 1) return;
-  for (const std::string_view name : recipe.look->effects)
-    if (const Effect* effect = find_effect(name);
-        effect && layers_needed(*effect, params_of(recipe.settings, name)) > 1)
+  const int captured = recipe.capture.layers;
+  for (const std::string_view name : recipe.look->effects) {
+    const Effect* effect = find_effect(name);
+    const int needed = effect ? layers_needed(*effect, params_of(recipe.settings, name)) : 1;
+    if (request.layers == 1 && needed > 1)
       sentences.push_back(fmt::format("{}{} draws nothing: the picture has one layer", word, name));
+    if (!request.layers && captured > 1 && captured < needed)
+      sentences.push_back(fmt::format("{}{} draws what {} layers show: {} layers of {} x {} pixels are too large", word,
+                                      name, captured, needed, recipe.width, recipe.height));
+  }
 }
 
 void warn_about_former_names(const Request& request, std::string_view word, std::vector<std::string>& sentences) {

@@ -148,6 +148,11 @@ TEST(Technical, HiddenLinesOfOneLayerAreReported) {
   EXPECT_EQ(warnings[0], "`settings` hidden draws nothing: the picture has one layer");
   request.layers.reset();
   EXPECT_TRUE(setting_warnings(request, *make_recipe(request), nullptr, any).empty());
+  request.width = request.height = 4096;
+  ASSERT_EQ(setting_warnings(request, *make_recipe(request), nullptr, any).size(), 1u);
+  EXPECT_EQ(setting_warnings(request, *make_recipe(request), nullptr, any)[0],
+            "`settings` hidden draws what 4 layers show: 8 layers of 4096 x 4096 pixels are too large");
+  EXPECT_TRUE(setting_warnings(request, *make_recipe(request, kMaxStripPixels), nullptr, any).empty());
 }
 
 // Lines are those of sample index 0, drawn over the mean of all pictures. A fully covered pixel has the colour of the

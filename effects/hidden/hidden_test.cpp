@@ -127,6 +127,56 @@ TEST(Hidden, DashesCoverAFractionOfALine) {
   EXPECT_NEAR(total(hidden_plane(g, {{"dash", "6"}, {"gap", "12"}})) / whole, 7.0 / 18.0, 0.06);
 }
 
+/// Returns the lengths of the dashes that one sees within a pixel of an edge, in pixels, without the first and the
+/// last.
+std::vector<double> dashes_along(const Plane& drawn, const std::array<std::array<double, 2>, 2>& edge) {
+  constexpr double kStep = 0.1;  // pixels
+  const auto& [a, b] = edge;
+  const double length = std::hypot(b[0] - a[0], b[1] - a[1]);
+  std::vector<double> dashes = {0.0};
+  for (double at = 0.0; at < length; at += kStep) {
+    const int x = int(a[0] + at / length * (b[0] - a[0])), y = int(a[1] + at / length * (b[1] - a[1]));
+    float max = 0.0f;
+    for (int j = -1; j <= 1; ++j)
+      for (int i = -1; i <= 1; ++i) max = std::max(max, drawn.at(x + i, y + j));
+    if (max > 0.5f) dashes.back() += kStep;
+    if (max <= 0.5f && dashes.back() > 0.0) dashes.push_back(0.0);
+  }
+  return {dashes.begin() + 1, dashes.end() - 1};
+}
+
+/// Returns the walls of a cube, and of another one in it whose edges are nearly the same.
+std::vector<RayScene> nested_cubes(double half) {
+  auto scenes = Cube().walls(0);
+  for (const RayScene& wall : Cube{.half = half}.walls(1)) scenes.push_back(wall);
+  return scenes;
+}
+
+TEST(Hidden, DashesHaveOneLengthAtAnySize) {
+  const Settings settings = {{"width", "0.3%"}, {"dash", "2%"}, {"gap", "1.5%"}};
+  std::vector<double> medians;
+  for (const int size : {kSize, 2 * kSize}) {
+    const Lens lens{.width = size, .height = size};
+    const Plane drawn = hidden_plane(layers_of(nested_cubes(0.997), 6, lens), settings);
+    for (const auto& edge : hidden_edges_of(Cube(), lens)) {
+      std::vector<double> dashes = dashes_along(drawn, edge);
+      ASSERT_GE(dashes.size(), 5u);
+      std::sort(dashes.begin(), dashes.end());
+      medians.push_back((dashes[dashes.size() / 2] - 2.0) / size);  // less the pixel at either end
+      EXPECT_LT(dashes.back() - dashes.front(), 2.0 + 0.1 * dashes.front()) << "pixels, of " << size;
+    }
+  }
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(medians[k + 3], medians[k], 0.1 * medians[k]);
+}
+
+TEST(Hidden, LinesThatCoincideAreDrawnOnce) {
+  const Lens lens{.width = 2 * kSize, .height = 2 * kSize};
+  const Settings settings = {{"width", "3"}, {"dash", "24"}, {"gap", "18"}};
+  const double one = total(hidden_plane(layers_of(Cube().walls(0), 4, lens), settings));
+  for (const double half : {0.997, 0.99})
+    EXPECT_NEAR(total(hidden_plane(layers_of(nested_cubes(half), 6, lens), settings)), one, 0.05 * one) << half;
+}
+
 TEST(Hidden, ASphereBehindACubeHasItsSilhouetteThere) {
   const Lens lens{.width = kSize, .height = kSize, .orthographic = true};
   const Cube cube{.center = {0, 0, -5}, .turn = dmat3(1.0), .half = 1.2};

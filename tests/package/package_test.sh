@@ -72,18 +72,41 @@ case $name in
     if grep -rIl -e "$place/first" -e "$BUILD" -e "$SOURCE" "$prefix" | grep .; then fail "these files contain folders of the build"; fi
     ;;
   Unbuilt)
-    # A build tree like this one, of which only the programs are built, as scripts/demo does.
-    rm -rf "$place/unbuilt"
-    mkdir -p "$place/unbuilt/bin"
-    cp "$BUILD/bin/umbrage" "$BUILD/bin/umbrage-import" "$place/unbuilt/bin/"
-    cp -r "$BUILD/share" "$place/unbuilt/"
-    sed "s|$BUILD|$place/unbuilt|g" "$BUILD/cmake_install.cmake" >"$place/unbuilt/cmake_install.cmake"
-    code=0
-    said=$("$CMAKE" -DCMAKE_INSTALL_PREFIX="$place/unbuilt/prefix" -DCMAKE_INSTALL_LOCAL_ONLY=1 \
-      -P "$place/unbuilt/cmake_install.cmake" 2>&1 | tr -s ' \n' ' ') || code=$?
-    [ "$code" != 0 ] || fail "an incomplete build was installed"
-    [[ $said == *"is not built"*"cmake --build"* ]] || fail "the message does not say what to build: $said"
-    [ ! -e "$place/unbuilt/prefix" ] || fail "an incomplete build was installed in part"
+    # Build trees like this one, of which only a part is built.
+    refuses() { # MISSING BUILT...: an installation of the tree with these files names the missing one and writes nothing
+      local tree=$place/unbuilt missing=$1 file code=0
+      rm -rf "$tree"
+      for file in "${@:2}"; do
+        mkdir -p "$(dirname "$tree/$file")"
+        cp -r "$BUILD/$file" "$tree/$file"
+      done
+      sed "s|$BUILD|$tree|g" "$BUILD/cmake_install.cmake" >"$tree/cmake_install.cmake"
+      said=$("$CMAKE" -DCMAKE_INSTALL_PREFIX="$tree/prefix" -DCMAKE_INSTALL_LOCAL_ONLY=1 \
+        -P "$tree/cmake_install.cmake" 2>&1 | tr -s ' \n' ' ') || code=$?
+      [ "$code" != 0 ] || fail "an installation without $missing succeeded"
+      [[ $said == *"/$missing is not built"*"cmake --build $tree --target umbrage_installation"* ]] ||
+        fail "without $missing, the message does not say what to build: $said"
+      [ ! -e "$tree/prefix" ] || fail "an installation without $missing was begun"
+    }
+    programs=(bin/umbrage bin/umbrage-import)
+    libraries=()
+    case $KINDS in *shared*) libraries+=("libumbrage.so.$VERSION") ;; esac
+    case $KINDS in *static*) libraries+=(libumbrage.a) ;; esac
+    refuses bin/umbrage "${libraries[@]}"
+    refuses man/man1/umbrage.1 "${programs[@]}" # as scripts/demo and `ninja umbrage` leave it
+    refuses fish/vendor_completions.d/umbrage.fish "${programs[@]}" share/man share/bash-completion share/zsh
+    refuses bin/umbrage-lab "${programs[@]}" share "${libraries[@]}"
+    for library in "${libraries[@]}"; do
+      # shellcheck disable=SC2046
+      refuses "$library" "${programs[@]}" bin/umbrage-lab share $(printf '%s\n' "${libraries[@]}" | grep -vxF "$library")
+    done
+    # The target that the message names builds all of that, and no tests.
+    ninja -C "$BUILD" -t query umbrage_installation | tr -d ' ' >"$place/inputs"
+    for file in apps/umbrage_manual "${programs[@]}" bin/umbrage-lab "${libraries[@]%.$VERSION}"; do
+      grep -qx "$file" "$place/inputs" || fail "umbrage_installation does not build $file"
+    done
+    ninja -C "$BUILD" -t inputs umbrage_installation >"$place/inputs"
+    if grep _tests "$place/inputs"; then fail "umbrage_installation builds tests"; fi
     ;;
   Program)
     [ "$("$prefix/bin/umbrage" --version | head -n 1)" = "umbrage $VERSION" ] || fail "wrong version"
@@ -145,6 +168,22 @@ case $name in
     # A statically linked program does not know the folder of the library, but finds the program on PATH.
     PATH=$prefix/bin:$PATH run_examples "$place/cmake-static"
     [ "$(needs_shared "$place/cmake-static")" = no ] || fail "linked with the shared library"
+    ;;
+  Pip)
+    # In a clone without a build folder, as docs/python.md says, but with the library of this build.
+    rm -rf "$place/pip"
+    mkdir -p "$place/pip/clone/python"
+    cp -r "$SOURCE/setup.py" "$SOURCE/pyproject.toml" "$SOURCE/include" "$place/pip/clone/"
+    cp -r "$SOURCE/python/umbrage" "$place/pip/clone/python/"
+    cd "$place/pip"
+    /usr/bin/python3 -m venv --system-site-packages environment
+    UMBRAGE_BUILD=$BUILD environment/bin/pip install --no-index --no-build-isolation --no-deps ./clone >pip.log 2>&1 ||
+      { cat pip.log; fail "pip failed"; }
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >model.obj
+    said=$(env -u UMBRAGE_LIBRARY -u UMBRAGE_IMPORT PATH=/usr/bin:/bin environment/bin/python -c '
+import umbrage
+print(umbrage.__file__, umbrage.__version__, umbrage.render("model.obj", size=(48, 32), device="cpu").picture.shape)')
+    [[ $said == "$place/pip/environment/"*" $VERSION (32, 48, 4)" ]] || fail "the package that pip installed says: $said"
     ;;
   PkgConfig)
     export PREFIX_USED=$prefix
