@@ -120,7 +120,7 @@ struct Progress {
     const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::lock_guard lock(mutex);
     fractions[std::size_t(worker)] = 0.0;
-    if (!made && !end && ends(made.error().kind)) end = made.error();
+    if (!made && !end && (work.needs_all || ends(made.error().kind))) end = made.error();
     if (!writes || (!made && end)) return made;
     ++done;
     if (!made) failed.push_back(frame);
