@@ -217,10 +217,25 @@ Result<EdgeRepair> decide_repair(const GBufferSettings& settings, const RawPlane
   return needed;
 }
 
-/// Measures the extent of the picture after the repair of its edges. Errors: kFile.
+/// Returns the number of pixels in some rows whose depth is a length below 0, which shows no surface.
+long negative_depths(const RawRows& raw, const DepthConvention& depth, const Rows& rows) {
+  const DepthModel& model = depth.model;
+  const bool is_length = model.meaning == DepthMeaning::kPlanar || model.meaning == DepthMeaning::kDistance ||
+                         model.meaning == DepthMeaning::kDisparity;
+  const Plane* stored = raw.find(Role::kDepth, 0);
+  if (depth.from_position || !is_length || !stored) return 0;
+  long count = 0;
+  for (int y = rows.begin; y < rows.end; ++y)
+    for (int x = 0; x < stored->width; ++x)
+      count += model.offset + model.scale * stored_depth(depth, double(stored->at(x, y - raw.first))) < 0.0;
+  return count;
+}
+
+/// Measures the extent of the picture after the repair of its edges, and warns of depths below 0. Errors: kFile.
 Result<void> measure_extent(const RawPlanes& raw, const Conventions& conventions, const EdgeRepair& repair,
-                            float scene_radius, PictureInfo& info) {
+                            float scene_radius, PictureInfo& info, GBufferFacts& facts) {
   ExtentOfDepth extent(info);
+  long negative = 0;
   constexpr int kBlockRows = 256;
   for (int begin = 0; begin < info.height; begin += kBlockRows) {
     const Rows block{begin, std::min(begin + kBlockRows, info.height)};
@@ -232,9 +247,16 @@ Result<void> measure_extent(const RawPlanes& raw, const Conventions& conventions
     if (repair.depth)
       depth = repaired_rows(depth, {block.begin - around.begin, block.end - around.begin}, {.depth = true},
                             info.pixel_width(), info.camera.projection == Projection::kOrthographic);
+    negative += negative_depths(*rows, conventions.depth, block);
     for (int y = block.begin; y < block.end; ++y) extent.add(depth.planes[0].row(y - block.begin), y);
   }
   extent.finish(scene_radius, info);
+  const double pixels = double(info.width) * info.height;
+  if (negative > 0)
+    facts.warnings.push_back(
+        fmt::format("the depth is below 0 at {} pixels ({:.2g} %), which show no surface: `depth_background` names a "
+                    "value that means none",
+                    negative, 100.0 * double(negative) / pixels));
   return {};
 }
 
@@ -300,7 +322,7 @@ Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double me
   const auto repair = decide_repair(settings, *raw, state->conversion, info, state->facts);
   if (!repair) return repair.error();
   state->repair = *repair;
-  if (auto status = measure_extent(*raw, *conventions, *repair, settings.scene_radius, info); !status)
+  if (auto status = measure_extent(*raw, *conventions, *repair, settings.scene_radius, info, state->facts); !status)
     return status.error();
   state->names = converted_names(*raw, state->conversion);
   state->is_display_referred = conventions->color[std::size_t(Role::kBeauty)].is_srgb;

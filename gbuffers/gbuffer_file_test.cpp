@@ -165,6 +165,27 @@ TEST_F(GBufferFiles, TinyPicturesAndNothingButNan) {
   }
 }
 
+TEST_F(GBufferFiles, DepthBelowZeroIsCounted) {
+  Image image(48, 32);
+  Plane& depth = image.add("depth") = planes().plane("depth");
+  GBufferSettings settings;
+  settings.file = write_planes("some.exr", image);
+  EXPECT_EQ(all_facts(*open(settings)).find("below 0"), std::string::npos);
+  for (int x = 0; x < 3; ++x) depth.at(8 * x, 20) = -1.0f - float(x);
+  settings.file = write_planes("some.exr", image);
+  const auto some = open(settings), in_parts = open(settings, 1000.0);
+  ASSERT_TRUE(some && in_parts);
+  for (const auto* file : {&*some, &*in_parts})
+    EXPECT_NE(all_facts(*file).find("below 0 at 3 pixels (0.2 %)"), std::string::npos) << all_facts(*file);
+  for (int x = 0; x < 3; ++x) depth.at(8 * x, 20) = -1.0f;
+  settings.file = write_planes("named.exr", image);
+  settings.depth_background = -1.0f;
+  EXPECT_EQ(all_facts(*open(settings)).find("below 0"), std::string::npos) << "an option says that it means no surface";
+  depth = Plane(48, 32, std::numeric_limits<float>::quiet_NaN());
+  settings = {.file = write_planes("empty.exr", image)};
+  EXPECT_NE(all_facts(*open(settings)).find("shows no surface"), std::string::npos) << all_facts(*open(settings));
+}
+
 TEST_F(GBufferFiles, UnusableFilesAndOptions) {
   GBufferSettings settings;
   EXPECT_EQ(open(settings).error().kind, ErrorKind::kUsage);

@@ -10,6 +10,7 @@
 
 #include "importer/gltf_nodes.h"
 #include "importer/gltf_parts.h"
+#include "scene/framing.h"
 #include "scene/readers/import_parts.h"
 #include "scene/readers/positions.h"
 
@@ -23,6 +24,7 @@ struct Build {
   Scene scene = {};
   std::vector<GltfNode> nodes = {};
   std::vector<glm::dmat4> world = {};
+  PoseNodes pose = {};  ///< of the chosen animation; empty: none is chosen
   std::vector<int> drawn_nodes = {};
   GltfMaterials materials = {};
   GltfMeshRules rules = {};
@@ -163,6 +165,12 @@ void add_lights(Build& build) {
                   count == 1 ? "light is" : "lights are", count == 1 ? "it" : "them"));
 }
 
+/// Moves the nodes to a time of the chosen animation.
+void set_pose(Build& build, double time_s) {
+  if (build.pose) build.pose(time_s, build.nodes);
+  build.world = world_matrices(build.nodes);
+}
+
 /// Chooses the scene and the pose. Errors: kUsage.
 Result<void> choose_scene(Build& build) {
   GltfFile& file = build.file;
@@ -193,9 +201,45 @@ Result<void> choose_scene(Build& build) {
   build.nodes = read_nodes(file);
   build.drawn_nodes = nodes_of_scene(file, scene.scene_index, build.nodes);
   if (build.settings.animation_index)
-    animate(file, *build.settings.animation_index, double(build.settings.animation_time), build.nodes);
-  build.world = world_matrices(build.nodes);
+    build.pose = read_animation(file, *build.settings.animation_index, build.nodes.size());
+  set_pose(build, double(build.settings.animation_time));
   return {};
+}
+
+/// Adds the vertices of a mesh's triangles, or its points.
+void add_vertices(const PlacedMesh& placed, FarthestPoints& farthest) {
+  const Mesh& mesh = placed.mesh;
+  std::vector<std::uint8_t> used(mesh.positions.size(), mesh.points);
+  for (const std::uint32_t index : mesh.indices) used[index] = 1;
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i]) farthest.add(placed.positions.empty() ? glm::dvec3(mesh.positions[i]) : placed.positions[i]);
+}
+
+/// Returns points around the meshes in poses of the whole animation. The poses do not depend on the time that is drawn.
+std::vector<glm::dvec3> motion_of(Build& build) {
+  // Placing this number of vertices takes a fraction of a second.
+  constexpr std::size_t kMaxVertices = 2'000'000, kMinPoses = 16, kMaxPoses = 256;
+  if (!build.pose) return {};
+  std::vector<PlacedMesh> meshes = std::move(build.meshes);
+  const GltfCounts counts = build.counts;
+  std::size_t vertices = 1;
+  for (const PlacedMesh& each : meshes) vertices += each.mesh.positions.size();
+  for (auto& [index, primitives] : build.known)
+    for (Result<GltfPrimitive>& each : primitives)
+      if (each) each->mesh.normals = {}, each->mesh.uvs = {}, each->mesh.colors = {}, each->mesh.smoothing = {};
+  const std::size_t poses = std::clamp(kMaxVertices / vertices, kMinPoses, kMaxPoses);
+  const double duration_s = build.scene.animation_durations_s[std::size_t(*build.settings.animation_index)];
+  FarthestPoints farthest;
+  for (std::size_t k = 0; k < poses; ++k) {
+    set_pose(build, duration_s * double(k) / double(poses - 1));
+    build.meshes.clear();
+    add_meshes(build);
+    for (const PlacedMesh& each : build.meshes) add_vertices(each, farthest);
+  }
+  set_pose(build, double(build.settings.animation_time));
+  build.meshes = std::move(meshes);
+  build.counts = counts;
+  return farthest.points();
 }
 
 void read_materials(Build& build) {
@@ -243,7 +287,8 @@ Result<Scene> build_scene(GltfFile& file, const ImportSettings& settings) {
   if (build.meshes.empty() && build.counts.out_of_range > 0)
     return file_error("'{}' has no triangles that can be drawn; all {} have vertex indices out of range", name,
                       build.counts.out_of_range);
-  move_to_scene(std::move(build.meshes), build.scene);
+  const std::vector<glm::dvec3> motion = motion_of(build);
+  move_to_scene(std::move(build.meshes), build.scene, motion);
   add_cameras(build);
   add_lights(build);
   const bool uses_default = std::any_of(build.scene.meshes.begin(), build.scene.meshes.end(), [&](const Mesh& mesh) {

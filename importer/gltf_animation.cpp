@@ -106,7 +106,13 @@ std::vector<GltfAnimation> list_animations(GltfFile& file) {
   return animations;
 }
 
-void animate(GltfFile& file, int animation, double time_s, std::vector<GltfNode>& nodes) {
+PoseNodes read_animation(GltfFile& file, int animation, std::size_t node_count) {
+  struct Channel {
+    std::size_t node;
+    std::string path;
+    Keys keys;
+  };
+  std::vector<Channel> read;
   const Json& json = file.list("animations", std::size_t(animation));
   const Json &channels = member(json, "channels"), &samplers = member(json, "samplers");
   for (std::size_t k = 0; k < count_of(channels); ++k) {
@@ -123,20 +129,25 @@ void animate(GltfFile& file, int animation, double time_s, std::vector<GltfNode>
     const auto refuse = [&](const std::string& reason) {
       file.warn_once("channel", fmt::format("a channel of the animation cannot be used: {}", reason));
     };
-    if (std::size_t(node) >= nodes.size() ||
-        (!is_rotation && !is_weights && path != "translation" && path != "scale")) {
+    if (std::size_t(node) >= node_count || (!is_rotation && !is_weights && path != "translation" && path != "scale")) {
       refuse(fmt::format("its target is '{}' of node {}", path, node));
       continue;
     }
     const Json& of_channel = element(samplers, std::size_t(sampler));
-    const auto keys = read_keys(file, of_channel, is_weights ? 0 : is_rotation ? 4 : 3);
+    auto keys = read_keys(file, of_channel, is_weights ? 0 : is_rotation ? 4 : 3);
     if (!keys) {
       refuse(keys.error().message);
       continue;
     }
-    if (!is_weights) split_matrix(nodes[std::size_t(node)]);
-    set_value(path, sampled(*keys, time_s, is_rotation), nodes[std::size_t(node)]);
+    read.push_back({std::size_t(node), path, std::move(*keys)});
   }
+  return [read = std::move(read)](double time_s, std::vector<GltfNode>& nodes) {
+    for (const Channel& channel : read) {
+      GltfNode& node = nodes[channel.node];
+      if (channel.path != "weights") split_matrix(node);
+      set_value(channel.path, sampled(channel.keys, time_s, channel.path == "rotation"), node);
+    }
+  };
 }
 
 }  // namespace umbrage

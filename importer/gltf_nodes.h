@@ -1,6 +1,7 @@
 // Nodes of glTF files: their transforms, also at a time of an animation, the scene that they form, and the
 // skins and instances that give transforms to meshes.
 #pragma once
+#include <functional>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -41,8 +42,11 @@ struct GltfAnimation {
 std::vector<GltfAnimation> list_animations(GltfFile& file);
 
 /// Moves the nodes to a time of an animation, seconds; before its start and after its end they keep its first and last
-/// pose. Channels that are invalid, or that change something else than nodes, cause a warning.
-void animate(GltfFile& file, int animation, double time_s, std::vector<GltfNode>& nodes);
+/// pose.
+using PoseNodes = std::function<void(double time_s, std::vector<GltfNode>& nodes)>;
+/// Reads an animation of a file with `node_count` nodes. Channels that are invalid, or that change something else than
+/// nodes, cause a warning.
+PoseNodes read_animation(GltfFile& file, int animation, std::size_t node_count);
 
 /// Returns, for each joint of a skin, the transform from the space of the mesh to world space. Errors: kFile.
 Result<std::vector<glm::dmat4>> transforms_of_skin(GltfFile& file, int skin, const std::vector<glm::dmat4>& world);

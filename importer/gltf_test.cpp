@@ -182,6 +182,14 @@ void add_animation(GltfBuilder& b, const char* path, int node, const std::vector
        {"samplers", {{{"input", times}, {"output", output}, {"interpolation", interpolation}}}}});
 }
 
+/// Returns the box of the vertices, which a pose of an animation need not have as its bounds.
+SceneBox box_of(const Scene& scene) {
+  SceneBox box;
+  for (const Mesh& mesh : scene.meshes)
+    for (const glm::vec3& p : mesh.positions) box = {glm::min(box.low, p), glm::max(box.high, p)};
+  return box;
+}
+
 TEST_F(GltfTest, AnimatesNodesSkinsAndWeights) {
   GltfBuilder b = skinned();
   b.json["animations"] = Json::array();
@@ -202,14 +210,34 @@ TEST_F(GltfTest, AnimatesNodesSkinsAndWeights) {
   ASSERT_EQ(pose.animation_names, (std::vector<std::string>{"translation", "scale", "rotation", "weights"}));
   EXPECT_EQ(pose.animation_durations_s, std::vector<float>(4, 2.0f));
   EXPECT_EQ(pose.bounds_max, glm::vec3(2, 2, 5));
-  EXPECT_EQ(at(0, 0.5f).bounds_min.x, 2.0f);
-  EXPECT_EQ(at(0, 9.0f).bounds_min.x, 8.0f) << "after its end";
-  EXPECT_EQ(at(1, 1.9f).bounds_max.x, 1.0f);
-  EXPECT_EQ(at(1, 2.0f).bounds_max.x, 4.0f);
-  EXPECT_NEAR(at(2, 1.0f).bounds_max.y, 2.0f, 1e-5f) << "a quarter turn: x becomes y";
-  EXPECT_NEAR(at(2, 1.0f).bounds_min.x, -2.0f, 1e-5f);
-  EXPECT_NEAR(at(3, 1.0f).bounds_max.y, 2.0f * (1.0f + 2.0f * 0.5f), 1e-5f);
-  EXPECT_NEAR(at(3, 0.5f).bounds_max.y, 2.0f * (1.0f + 2.0f * (3.0f / 16.0f - 2.0f / 64.0f)), 1e-5f);
+  EXPECT_TRUE(pose.motion.empty());
+  EXPECT_EQ(box_of(at(0, 0.5f)).low.x, 2.0f);
+  EXPECT_EQ(box_of(at(0, 9.0f)).low.x, 8.0f) << "after its end";
+  EXPECT_EQ(box_of(at(1, 1.9f)).high.x, 1.0f);
+  EXPECT_EQ(box_of(at(1, 2.0f)).high.x, 4.0f);
+  EXPECT_NEAR(box_of(at(2, 1.0f)).high.y, 2.0f, 1e-5f) << "a quarter turn: x becomes y";
+  EXPECT_NEAR(box_of(at(2, 1.0f)).low.x, -2.0f, 1e-5f);
+  EXPECT_NEAR(box_of(at(3, 1.0f)).high.y, 2.0f * (1.0f + 2.0f * 0.5f), 1e-5f);
+  EXPECT_NEAR(box_of(at(3, 0.5f)).high.y, 2.0f * (1.0f + 2.0f * (3.0f / 16.0f - 2.0f / 64.0f)), 1e-5f);
+  // The bounds are those of all poses, and do not depend on the time.
+  for (int animation = 0; animation < 4; ++animation) {
+    const Scene start = at(animation, 0.0f);
+    SceneBox all;
+    for (const float time : {0.0f, 0.3f, 0.5f, 1.0f, 1.4f, 2.0f, 9.0f}) {
+      const Scene scene = at(animation, time);
+      EXPECT_EQ(scene.motion, start.motion) << animation << ' ' << time;
+      EXPECT_EQ(scene.bounds_min, start.bounds_min);
+      EXPECT_EQ(scene.bounds_max, start.bounds_max);
+      const SceneBox box = box_of(scene);
+      all = {glm::min(all.low, box.low), glm::max(all.high, box.high)};
+    }
+    constexpr float kBetweenPoses = 0.01f;
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_LE(start.bounds_min[axis], all.low[axis] + kBetweenPoses) << animation;
+      EXPECT_GE(start.bounds_max[axis], all.high[axis] - kBetweenPoses) << animation;
+    }
+  }
+  EXPECT_EQ(at(0, 0.5f).bounds_max.x, 10.0f);
 }
 
 TEST_F(GltfTest, RefusesAnAnimationThatIsNotThere) {

@@ -65,14 +65,17 @@ PlacedMesh skinned(Mesh source, const std::function<glm::dmat4(std::size_t)>& wo
   return result;
 }
 
-void move_to_scene(std::vector<PlacedMesh> meshes, Scene& scene) {
+void move_to_scene(std::vector<PlacedMesh> meshes, Scene& scene, const std::vector<glm::dvec3>& motion) {
   OriginFinder finder;
+  for (const glm::dvec3& p : motion) finder.add(p);
   for (const PlacedMesh& mesh : meshes) {
+    if (!motion.empty()) break;
     for (const glm::dvec3& p : mesh.positions) finder.add(p);
     if (mesh.positions.empty())
       for (const glm::vec3& p : mesh.mesh.positions) finder.add(glm::dvec3(p));
   }
   const glm::dvec3 origin = scene.origin = finder.origin();
+  for (const glm::dvec3& p : motion) scene.motion.emplace_back(p - origin);
   for (PlacedMesh& placed : meshes) {
     Mesh& mesh = placed.mesh;
     if (placed.positions.empty() && origin != glm::dvec3(0.0))

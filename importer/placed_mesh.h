@@ -33,7 +33,8 @@ struct BlendedTransform {
 /// Places a mesh by the joints of a skin. `world_from_vertex`: the transform of each vertex.
 PlacedMesh skinned(Mesh mesh, const std::function<glm::dmat4(std::size_t)>& world_from_vertex);
 
-/// Moves the meshes to the scene, relative to an origin near them, which becomes Scene::origin.
-void move_to_scene(std::vector<PlacedMesh> meshes, Scene& scene);
+/// Moves the meshes to the scene, relative to an origin near them, which becomes Scene::origin. `motion`: becomes
+/// Scene::motion; then the origin is near these points, and the same for all poses.
+void move_to_scene(std::vector<PlacedMesh> meshes, Scene& scene, const std::vector<glm::dvec3>& motion = {});
 
 }  // namespace umbrage

@@ -288,6 +288,7 @@ Result<Frame> JobObject::shade_frame(const Request& request, const Recipe& recip
   auto shared = device_->arena.execute([&] { return gbuffer_of(request, images_); });
   if (!shared) return shared.error();
   counters.planes_copied += shared->copied;
+  for (const std::string& warning : shared->warnings) device_->report_warning(warning);
   ids_ = std::move(shared->ids);
   StageTimes times;
   shared->gbuffer.info = started(shared->gbuffer.info, start_);

@@ -212,8 +212,10 @@ void make_owned(Plane& plane) {
 /// The min and max finite depth; infinity and 0 if there is none.
 struct DepthRange {
   float nearest = kNoSurface, farthest = 0.0f;
+  long negative = 0;  ///< number of lengths below 0, which show no surface
 
   void include(const DepthRange& other) {
+    negative += other.negative;
     nearest = std::min(nearest, other.nearest);
     farthest = std::max(farthest, other.farthest);
   }
@@ -252,9 +254,13 @@ DepthRange convert_depth(const Lens& lens, Plane& depth) {
   if (is_view_depth) return whole_range();
   make_owned(depth);
   const ViewDepth view_depth(lens);
+  const bool is_length = lens.depth_kind == DepthMeaning::kPlanar || lens.depth_kind == DepthMeaning::kDistance;
   for_rows(0, depth.height, [&](int y) {
-    for (int x = 0; x < depth.width; ++x) depth.at(x, y) = view_depth.at(depth.at(x, y), x, y);
-    row_ranges[std::size_t(y)] = range_of(depth.row(y), depth.width);
+    float* row = depth.row(y);
+    const long negative = is_length ? std::count_if(row, row + depth.width, [](float v) { return v < 0.0f; }) : 0;
+    for (int x = 0; x < depth.width; ++x) row[x] = view_depth.at(row[x], x, y);
+    row_ranges[std::size_t(y)] = range_of(row, depth.width);
+    row_ranges[std::size_t(y)].negative = negative;
   });
   return whole_range();
 }
@@ -334,10 +340,12 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
   for (const NamedImage& named : images)
     add_image(named, shared.ids, gbuffer.layers[std::size_t(layer_of_plane(named.name))]);
   DepthRange first_range;
+  long negative = 0;
   for (Image& layer : gbuffer.layers) {
     Plane& depth = layer.plane("depth");
     const DepthRange range = convert_depth(lens, depth);
     if (&layer == &gbuffer.layers[0]) first_range = range;
+    negative += range.negative;
     if (layer.find("normal.x")) rotate_normals(request.gbuffer.view_from_normal, layer);
     for (const auto& [name, ids] : shared.ids)
       if (Plane* plane = layer.find(name)) {
@@ -350,6 +358,10 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
   for (const Image& layer : gbuffer.layers)
     shared.copied +=
         std::count_if(layer.planes.begin(), layer.planes.end(), [](const Plane& p) { return !p.is_view(); });
+  if (negative > 0)
+    shared.warnings.push_back(fmt::format("{} of {} depths are below 0 and show no surface", negative,
+                                          long(request.width) * request.height * layers));
+  if (first_range.farthest == 0.0f) shared.warnings.emplace_back("the depth shows no surface: all of it is background");
   PictureInfo& info = gbuffer.info;
   set_lens(lens, info);
   for (LayerInfo& layer : info.more_layers) layer.camera = info.camera;

@@ -19,6 +19,7 @@ using SharedIds = std::map<std::string, std::vector<std::uint32_t>, std::less<>>
 struct SharedGBuffer {
   GBuffer gbuffer;
   SharedIds ids;
+  std::vector<std::string> warnings;
   long copied = 0;  ///< number of planes that were copied; the others are views of the images, which must outlive them
 };
 

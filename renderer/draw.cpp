@@ -25,8 +25,8 @@ std::function<bool(double)> calling_thread_only(const ProgressMonitor& monitor) 
   };
 }
 
-/// Returns what traces the reference for the picture to which a plan is set. All its copies share a hierarchy of the
-/// scene, which the first call builds.
+}  // namespace
+
 RunExternalEffect reference_of(Device& device, const Scene& scene, const Plan& plan, const ProgressMonitor& monitor) {
   return [&, monitor, hierarchy = std::make_shared<TracedScenePtr>()](const Effect&, const ParameterBytes& params,
                                                                       Frame& frame) -> Result<void> {
@@ -42,6 +42,8 @@ RunExternalEffect reference_of(Device& device, const Scene& scene, const Plan& p
     return planes ? device.add(*planes, frame) : planes.error();
   };
 }
+
+namespace {
 
 /// The samples of a plan while they are drawn.
 struct Samples {

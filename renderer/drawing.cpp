@@ -82,10 +82,20 @@ Result<std::optional<float>> metered_exposure(const Drawing& drawing, const Plan
     int& samples = as<ReferenceParams>(params_of(small.recipe.settings, small.recipe.occlusion)).samples;
     samples = std::min(samples, kMaxSamples);
   }
-  auto frame = drawing.device.capture(camera, small.capture, drawing.run.monitor);
+  LookRun run = drawing.run;
+  // The device has the scene at another time of its animation. A processor meters the start as well.
+  std::unique_ptr<Device> at_start;
+  if (small.start) {
+    auto made = make_device("cpu", drawing.device.threads());
+    if (!made) return made.error();
+    at_start = std::move(*made);
+    if (auto ready = at_start->prepare(*small.start, run.monitor); !ready) return ready.error();
+    run.run_external_effect = reference_of(*at_start, *small.start, small, run.monitor);
+  }
+  Device& metering = at_start ? *at_start : drawing.device;
+  auto frame = metering.capture(camera, small.capture, run.monitor);
   if (!frame) return frame.error();
   std::optional<float> stops;
-  LookRun run = drawing.run;
   run.settings = &small.recipe.settings;
   run.kept.reset();
   run.after = [](std::string_view) {};
@@ -94,7 +104,7 @@ Result<std::optional<float>> metered_exposure(const Drawing& drawing, const Plan
     if (result) stops = *result;
     return result ? Result<std::optional<float>>(std::nullopt) : result.error();  // ends the run
   };
-  if (const auto state = run_look(run, drawing.device, *frame); !state) return state.error();
+  if (const auto state = run_look(run, metering, *frame); !state) return state.error();
   drawing.times.done("metering");
   return stops;
 }

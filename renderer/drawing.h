@@ -54,6 +54,10 @@ void report_to(DrawProgress& progress, StageTimes& times, LookRun& run);
 /// Returns the number of steps of a picture: its capture and its effects.
 std::size_t steps_of_picture(const Plan& plan);
 
+/// Returns what traces the reference for the picture to which a plan is set. All its copies share a hierarchy of the
+/// scene, which the first call builds.
+RunExternalEffect reference_of(Device& device, const Scene& scene, const Plan& plan, const ProgressMonitor& monitor);
+
 /// What all pictures of a plan share while they are drawn.
 struct Drawing {
   Device& device;

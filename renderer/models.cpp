@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "generators/builtin.h"
+#include "scene/framing.h"
 #include "scene/scene.h"
 
 namespace umbrage {
@@ -26,6 +27,31 @@ void share_origin(Scene& a, Scene& b) {
   set_origin(origin, b);
 }
 
+/// Returns whether two models hardly belong to one scene.
+bool are_unrelated(const Scene& a, const Scene& b) {
+  constexpr double kMaxRatio = 100.0;  // of sizes; the smaller one is a few pixels of the picture
+  const double radius_a = a.radius(), radius_b = b.radius();
+  const glm::dvec3 shift = b.origin - a.origin;
+  const glm::dvec3 low_b = glm::dvec3(b.bounds_min) + shift, high_b = glm::dvec3(b.bounds_max) + shift;
+  const glm::dvec3 gap =
+      glm::max(glm::max(low_b - glm::dvec3(a.bounds_max), glm::dvec3(a.bounds_min) - high_b), glm::dvec3(0.0));
+  // Parts of one scene are rarely farther apart than they are large.
+  return glm::length(gap) > radius_a + radius_b ||
+         std::max(radius_a, radius_b) > kMaxRatio * std::min(radius_a, radius_b);
+}
+
+/// Prepares scenes to be appended of which one moves: the other is part of its motion and of its start.
+void join_motions(Scene& next, Scene& all) {
+  if (next.start || all.start) {
+    auto start = std::make_shared<Scene>(all.start ? *all.start : all);
+    append_scene(next.start ? *next.start : next, *start);
+    all.start = std::move(start);
+  }
+  if (next.motion.empty() == all.motion.empty()) return;
+  for (Scene* scene : {&next, &all})
+    if (scene->motion.empty()) scene->motion = points_around(*scene);
+}
+
 }  // namespace
 
 Result<Scene> load_scene(const std::string& model, const ImportSettings& settings, const ProgressMonitor& monitor) {
@@ -40,8 +66,9 @@ Result<Scene> load_scene(const std::string& model, const ImportSettings& setting
 }
 
 void append_scene(Scene next, Scene& all) {
-  const int materials = int(all.materials.size()), textures = int(all.textures.size());
   share_origin(all, next);
+  join_motions(next, all);
+  const int materials = int(all.materials.size()), textures = int(all.textures.size());
   int objects = 0;
   for (const Mesh& mesh : all.meshes) objects = std::max(objects, mesh.object + 1);
   for (Material& material : next.materials) {
@@ -56,6 +83,7 @@ void append_scene(Scene next, Scene& all) {
     all.meshes.push_back(std::move(mesh));
   }
   for (std::string& warning : next.warnings) all.warnings.push_back(std::move(warning));
+  all.motion.insert(all.motion.end(), next.motion.begin(), next.motion.end());
   all.bounds_min = glm::min(all.bounds_min, next.bounds_min);
   all.bounds_max = glm::max(all.bounds_max, next.bounds_max);
   all.shape_facts = std::make_shared<ShapeFacts>();
@@ -70,6 +98,7 @@ void append_scene(Scene next, Scene& all) {
 Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings,
                           const ProgressMonitor& monitor) {
   std::size_t loaded = 0;
+  bool unrelated = false;
   ProgressMonitor model_monitor;
   if (monitor) model_monitor = [&](double done) { return monitor((double(loaded) + done) / double(models.size())); };
   auto all = load_scene(models.at(0), settings, model_monitor);
@@ -77,9 +106,40 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
     loaded = m;
     auto next = load_scene(models[m], settings, model_monitor);
     if (!next) return next;
+    unrelated = unrelated || are_unrelated(*all, *next);
     append_scene(std::move(*next), *all);
   }
+  if (all && unrelated)
+    all->warnings.emplace_back(
+        "the models are far apart or of very different sizes, and are drawn in one scene: umbrage render --same-view "
+        "and umbrage thumbnails draw each alone");
   return all;
+}
+
+Result<std::shared_ptr<const Scene>> load_same_view(const std::vector<std::string>& models,
+                                                    const ImportSettings& settings) {
+  std::shared_ptr<Scene> first;
+  std::vector<glm::vec3> around;
+  for (const std::string& model : models) {
+    auto scene = load_scene(model, settings);
+    if (!scene) return scene.error();
+    if (first) set_origin(first->origin, *scene);
+    const auto points = points_around(*scene);
+    around.insert(around.end(), points.begin(), points.end());
+    if (!first) first = std::make_shared<Scene>(scene->start ? *scene->start : std::move(*scene));
+  }
+  set_motion(std::move(around), *first);
+  return std::shared_ptr<const Scene>(std::move(first));
+}
+
+void set_same_view(const std::shared_ptr<const Scene>& first, Scene& scene) {
+  set_origin(first->origin, scene);
+  set_motion(first->motion, scene);
+  scene.up = first->up;
+  scene.has_front = first->has_front;
+  scene.views = first->views;
+  scene.cameras = first->cameras;
+  scene.start = first;
 }
 
 Result<void> use_camera(int index, Scene& scene) {

@@ -1,5 +1,6 @@
 // Loads models by name: files and built-in scenes.
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,16 @@ Result<Scene> load_scene(const std::string& model, const ImportSettings& setting
 void append_scene(Scene next, Scene& all);
 
 /// Loads several models into one scene, placed as in their files. Their origin is that
-/// of one of them.
+/// of one of them. Models that are far apart for their sizes, or differ much in size, cause a warning.
 Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings = {},
                           const ProgressMonitor& monitor = {});
+
+/// Returns what several models that are drawn alone have in common, as the poses of an animation have: the first model,
+/// with Scene::motion around all of them. Errors: those of load_scene.
+Result<std::shared_ptr<const Scene>> load_same_view(const std::vector<std::string>& models,
+                                                    const ImportSettings& settings = {});
+/// Gives one of these models the directions, views and bounds of all, and the exposure of the first.
+void set_same_view(const std::shared_ptr<const Scene>& first, Scene& scene);
 
 /// Makes a camera the scene's only view. `index`: counts the cameras of the file, or for a scene without cameras the
 /// views that it suggests. Errors: kUsage if there is no such camera.

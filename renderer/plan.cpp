@@ -219,6 +219,11 @@ void adjust_lights(const Recipe& recipe, const Camera& camera, bool of_studio, s
 }
 
 void complete_scene(Scene& scene, const Recipe& recipe) {
+  if (scene.start) {
+    auto start = std::make_shared<Scene>(*scene.start);
+    complete_scene(*start, recipe);
+    scene.start = std::move(start);
+  }
   if (recipe.clay) make_clay(*recipe.clay, scene);
   if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up, has_roughness(scene)), scene);
   if (needs_ground(scene, recipe)) add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
@@ -294,6 +299,7 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   usual.width = usual.height = usual.capture.width = usual.capture.height = kMeteredSide;
   auto metered = plan_of_view(usual, scene, threads, monitor);
   if (!metered) return metered;
+  metered->start = scene.start;
   if (!is_inside_scene(metered->camera, scene)) plan->metered = std::make_shared<Plan>(std::move(*metered));
   return plan;
 }

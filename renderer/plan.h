@@ -40,6 +40,7 @@ struct Plan {
   /// The view of the whole model whose exposure the picture has, so that it does not change with the camera. Null if
   /// nothing is metered on a picture, or the camera is inside the scene: the picture's own view is metered.
   std::shared_ptr<const Plan> metered;
+  std::shared_ptr<const Scene> start;  ///< of `metered`: Scene::start, on which the exposure is metered
 
   Lighting& lighting() { return *capture.lighting; }
   const Lighting& lighting() const { return *capture.lighting; }

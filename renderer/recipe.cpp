@@ -231,6 +231,7 @@ Framing framing_of(const CameraSettings& camera) {
   framing.view_angle_deg = camera.view_angle_deg;
   framing.azimuth_deg = camera.azimuth_deg;
   framing.elevation_deg = camera.elevation_deg;
+  framing.orbits = camera.orbit;
   framing.zoom = camera.zoom;
   framing.orthographic = camera.orthographic;
   return framing;

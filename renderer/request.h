@@ -32,7 +32,9 @@ struct CameraSettings {
   std::optional<float> view_angle_deg{};            ///< vertical field of view, 0.1 to 179
   float azimuth_deg = 0.0f;                         ///< rotation around the model, applied after the fields above
   float elevation_deg = 0.0f;                       ///< rotation upwards around the model
-  float zoom = 1.0f;                                ///< > 1: closer; 0.001 to 1000
+  /// Azimuth and elevation move a fitted camera at one distance, as a turntable does; false: it is fitted after them.
+  bool orbit = false;
+  float zoom = 1.0f;  ///< > 1: closer; 0.001 to 1000
   bool orthographic = false;
 };
 

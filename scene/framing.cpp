@@ -10,6 +10,7 @@
 #include <glm/trigonometric.hpp>
 #include <limits>
 
+#include "scene/finish.h"
 #include "scene/front.h"
 #include "scene/strays.h"
 
@@ -68,9 +69,11 @@ glm::vec3 turned(glm::vec3 side, const glm::vec3& up, float azimuth_deg, float e
 }
 
 /// Calls visit(position, radius) for each vertex and point that is within the bounds: the centre and radius of a
-/// sphere, the ends of a disc, with a radius of 0.
+/// sphere, the ends of a disc, with a radius of 0; for the points of Scene::motion in their place, if there are any.
 template <class Visit>
 void for_each_vertex(const Scene& scene, Visit visit) {
+  for (const glm::vec3& p : scene.motion) visit(p, 0.0);
+  if (!scene.motion.empty()) return;
   for (const Mesh& mesh : scene.meshes) {
     if (scene.ground_object >= 0 && mesh.object == scene.ground_object) continue;
     if (!mesh.points) {
@@ -287,7 +290,49 @@ glm::vec3 target_of(const Scene& scene, const Framing& framing) {
          (to_center > 0.0f ? to_center : std::max(scene.radius(), 1.0f)) * glm::normalize(*framing.direction);
 }
 
+/// Moves a camera by the azimuth and elevation of a framing around `center`.
+Camera orbited(Camera camera, const glm::vec3& center, const glm::vec3& up, const Framing& framing) {
+  camera = turned_around(camera, center, up, framing.azimuth_deg);
+  const glm::vec3 side(glm::row(camera.view_from_world, 2)), right(glm::row(camera.view_from_world, 0));
+  const glm::vec3 raised = turned(side, up, 0.0f, framing.elevation_deg);
+  const float sine = glm::dot(glm::cross(raised, side), right);
+  return turned_around(camera, center, right, -glm::degrees(std::atan2(sine, glm::dot(raised, side))));
+}
+
 }  // namespace
+
+FarthestPoints::FarthestPoints() {
+  constexpr int kSteps = 2;
+  for (int x = -kSteps; x <= kSteps; ++x)
+    for (int y = -kSteps; y <= kSteps; ++y)
+      for (int z = -kSteps; z <= kSteps; ++z)
+        if (std::max({std::abs(x), std::abs(y), std::abs(z)}) == kSteps) directions_.push_back({glm::dvec3(x, y, z)});
+}
+
+void FarthestPoints::add(const glm::dvec3& p) {
+  if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= double(kMaxCoordinate))) return;
+  for (Direction& each : directions_)
+    if (const double distance = glm::dot(each.direction, p); is_empty_ || distance > each.distance)
+      each.distance = distance, each.farthest = p;
+  is_empty_ = false;
+}
+
+std::vector<glm::dvec3> FarthestPoints::points() const {
+  std::vector<glm::dvec3> points;
+  for (const Direction& each : directions_)
+    if (!is_empty_) points.push_back(each.farthest);
+  return points;
+}
+
+std::vector<glm::vec3> points_around(const Scene& scene) {
+  FarthestPoints farthest;
+  for_each_vertex(scene, [&](const glm::vec3& p, double radius) {
+    farthest.add(glm::dvec3(p) - radius);
+    if (radius > 0.0) farthest.add(glm::dvec3(p) + radius);
+  });
+  const auto points = farthest.points();
+  return {points.begin(), points.end()};
+}
 
 Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height) {
   const float aspect = float(std::max(width, 1)) / float(std::max(height, 1));
@@ -304,6 +349,11 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
 
   if (framing.position)
     return placed(in_scene(scene, *framing.position), target_of(scene, framing), up, angle_deg, aspect, framing);
+  if (framing.orbits && (framing.azimuth_deg != 0.0f || framing.elevation_deg != 0.0f)) {
+    Framing first = framing;
+    first.azimuth_deg = first.elevation_deg = 0.0f;
+    return orbited(frame_scene(scene, first, width, height), turn_center(scene, framing), up, framing);
+  }
   const bool has_direction = framing.direction && is_direction(*framing.direction);
   glm::vec3 side = has_direction ? -glm::normalize(*framing.direction) : default_side(scene, up, framing.shows_horizon);
   side = turned(side, up, framing.azimuth_deg, framing.elevation_deg);

@@ -1,6 +1,7 @@
 // Framing: the default camera and the options that change it; the default lights, which depend on the camera.
 #pragma once
 #include <optional>
+#include <vector>
 
 #include "core/camera.h"
 #include "scene/scene.h"
@@ -25,6 +26,9 @@ struct Framing {
   float azimuth_deg = 0.0f, elevation_deg = 0.0f;
   float zoom = 1.0f;  ///< above 1: the model fills more of the picture
   bool orthographic = false;
+  /// A fitted camera is fitted without the azimuth and elevation and then moved by them around turn_center, as a
+  /// turntable moves it: all directions have one distance.
+  bool orbits = false;
 };
 
 /// Returns a point on the axis of an orbit, whose direction is Scene::up: the point the camera looks at, or the scene's
@@ -34,6 +38,28 @@ glm::vec3 turn_center(const Scene& scene, const Framing& framing);
 /// Returns the camera for a picture of width x height pixels. By default: the scene's first suggested view, or else the
 /// whole scene from slightly above and to the side, fitted to the picture with a small margin.
 Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height);
+
+/// Of the points that are added, those that are farthest in each of 98 directions: any direction has one of these
+/// within 20 degrees.
+class FarthestPoints {
+ public:
+  FarthestPoints();
+  /// Adds a point. Those that are not finite, or farther away than kMaxCoordinate, do not count.
+  void add(const glm::dvec3& p);
+  /// Returns the points; none if none was added.
+  std::vector<glm::dvec3> points() const;
+
+ private:
+  struct Direction {
+    glm::dvec3 direction, farthest{0.0};
+    double distance = 0.0;
+  };
+  std::vector<Direction> directions_;
+  bool is_empty_ = true;
+};
+
+/// Returns what frame_scene would fit the camera to, as points for Scene::motion.
+std::vector<glm::vec3> points_around(const Scene& scene);
 
 /// Returns whether frame_scene fits the camera to the scene: it has no position, neither of the request nor of a view.
 bool is_fitted(const Scene& scene, const Framing& framing);

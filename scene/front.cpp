@@ -136,6 +136,7 @@ glm::vec3 usual_front(const glm::vec3& up) {
 }
 
 glm::vec3 front_of(const Scene& scene, const glm::vec3& up) {
+  if (scene.start) return front_of(*scene.start, up);
   return scene.shape_facts->front.of(up, [&] {
     const Level level = level_of(up);
     std::optional<glm::dvec3> found = front_of_parts(scene, level);

@@ -36,14 +36,16 @@ struct Extent {
 
 Extent extent_of(const Scene& scene, const GroundAxes& axes) {
   Extent extent;
+  const auto add = [&](const glm::vec3& p, float radius) {
+    const glm::vec3 q(glm::dot(p, axes.right), glm::dot(p, axes.up), glm::dot(p, axes.front));
+    extent = {glm::min(extent.min, q - radius), glm::max(extent.max, q + radius)};
+  };
+  for (const glm::vec3& p : scene.motion) add(p, 0.0f);
+  if (!scene.motion.empty()) return extent;
   for (const Mesh& mesh : scene.meshes)
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
       const glm::vec3& p = mesh.positions[i];
-      if (!is_in_bounds(scene, p)) continue;
-      const glm::vec3 q(glm::dot(p, axes.right), glm::dot(p, axes.up), glm::dot(p, axes.front));
-      const float radius = mesh.spheres ? mesh.radii[i] : 0.0f;
-      extent.min = glm::min(extent.min, q - radius);
-      extent.max = glm::max(extent.max, q + radius);
+      if (is_in_bounds(scene, p)) add(p, mesh.spheres ? mesh.radii[i] : 0.0f);
     }
   return extent;
 }
@@ -137,6 +139,7 @@ bool meets_level(const Relief& relief, const glm::vec3& origin, const glm::vec3&
 
 bool shows_own_ground(const Scene& scene, const Camera& camera) {
   constexpr int kAzimuths = 32;
+  if (scene.start) return shows_own_ground(*scene.start, camera);
   Relief relief(scene);
   if (!(relief.half > 0.0f)) return false;
   relief.heights = scene.shape_facts->relief.of(scene.up, [&] { return heights_of(scene, relief); });

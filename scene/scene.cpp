@@ -95,8 +95,22 @@ void set_origin(const glm::dvec3& origin, Scene& scene) {
   for (std::vector<View>* views : {&scene.views, &scene.cameras})
     for (View& view : *views) move(view.eye), move(view.target);
   for (Light& light : scene.lights) move(light.position);
+  std::for_each(scene.motion.begin(), scene.motion.end(), move);
+  if (scene.start) {
+    auto start = std::make_shared<Scene>(*scene.start);
+    set_origin(origin, *start);
+    scene.start = std::move(start);
+  }
   for (glm::vec3* position : {&scene.bounds_min, &scene.bounds_max, &scene.ground_center}) move(*position);
   scene.origin = origin;
+}
+
+void set_motion(std::vector<glm::vec3> points, Scene& scene) {
+  if (points.empty()) return;
+  scene.bounds_min = scene.bounds_max = points[0];
+  for (const glm::vec3& p : points)
+    scene.bounds_min = glm::min(scene.bounds_min, p), scene.bounds_max = glm::max(scene.bounds_max, p);
+  scene.motion = std::move(points);
 }
 
 glm::dmat4 view_from_file(const glm::mat4& view_from_scene, const glm::dvec3& origin) {

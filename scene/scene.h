@@ -144,9 +144,16 @@ struct Scene {
   /// Luminance of a white surface that faces the light; pictures are exposed for it. With the built-in lights about 1.
   float lit_white_luminance = 1.0f;
   std::shared_ptr<const ReflectionMap> reflections;  ///< see Lighting
-  glm::vec3 bounds_min{0.0f}, bounds_max{0.0f};      ///< filled by finish_scene
-  int ground_object = -1;                            ///< object id of the disc from add_ground; below 0: there is none
-  glm::vec3 ground_center{0.0f};                     ///< centre of the disc
+  /// Filled by finish_scene; of a model in a pose of an animation, those of `motion`.
+  glm::vec3 bounds_min{0.0f}, bounds_max{0.0f};
+  /// Points around the model in all poses of its animation, so that the camera and the ground are the same for all
+  /// times; empty: it has the file's pose.
+  std::vector<glm::vec3> motion;
+  /// The model at the start of its animation, which decides what must not change with the time but depends on more than
+  /// bounds: front, own ground, exposure. Null: this scene.
+  std::shared_ptr<const Scene> start;
+  int ground_object = -1;         ///< object id of the disc from add_ground; below 0: there is none
+  glm::vec3 ground_center{0.0f};  ///< centre of the disc
   /// Distance from the centre of the disc at which shadows on the disc have faded out; 0: they do not fade.
   float ground_fade_distance = 0.0f;
   std::vector<std::string> warnings;  ///< one sentence each, shown to the user
@@ -191,6 +198,9 @@ glm::dvec3 scene_origin(const glm::dvec3& low, const glm::dvec3& high);
 /// Moves the scene's origin to this position in the coordinates of the file: all positions change, what is drawn does
 /// not. Rounds to floats.
 void set_origin(const glm::dvec3& origin, Scene& scene);
+
+/// Sets Scene::motion, and the bounds to those of the points. Without points, nothing changes.
+void set_motion(std::vector<glm::vec3> points, Scene& scene);
 
 /// Returns a view matrix for the coordinates of the file from one for those of the scene.
 glm::dmat4 view_from_file(const glm::mat4& view_from_scene, const glm::dvec3& origin);

@@ -30,6 +30,10 @@ void add_output_options(CLI::App& command, RenderOptions& options, std::string_v
   command.add_flag("--json", options.json, "print the time of each stage as JSON")->group(output);
 }
 
+void add_frame_rate(CLI::App& command, double& frame_rate) {
+  add_number(command, "--frame-rate", frame_rate, {0.1, 1000}, "frames per second of a video")->group("Output");
+}
+
 Result<double> parse_memory(std::string_view text) {
   constexpr std::string_view kUnits = "KMGT";
   const std::size_t unit = text.empty() ? std::string_view::npos : kUnits.find(text.back());

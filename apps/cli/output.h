@@ -13,6 +13,9 @@ namespace umbrage::cli {
 /// Adds --passes, --bits, --picture-quality, --half, --memory and --json to the group Output.
 void add_output_options(CLI::App& command, RenderOptions& options, std::string_view help_of_memory);
 
+/// Adds --frame-rate to the group Output.
+void add_frame_rate(CLI::App& command, double& frame_rate);
+
 /// Parses a number of bytes, such as "6G", "512M" or "100000". Errors: kUsage.
 Result<double> parse_memory(std::string_view text);
 

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 
+#include "core/lists.h"
 #include "io/svg.h"
+#include "renderer/passes.h"
 #include "renderer/written_passes.h"
+#include "scene/readers/whole_file.h"
 
 namespace umbrage::cli {
 namespace {
@@ -26,7 +30,58 @@ void premultiply(Image& picture) {
   }
 }
 
+constexpr std::string_view kStem = "{stem}";
+
+/// Returns the name of a model without folder and endings: "bunny" for "scans/bunny.obj.gz", "claw" for
+/// "scene:claw?detail=100".
+std::string stem_of(const std::string& model) {
+  constexpr std::string_view kBuiltIn = "scene:";
+  if (model.starts_with(kBuiltIn)) return model.substr(kBuiltIn.size(), model.find('?') - kBuiltIn.size());
+  return without_gz(model).stem().string();
+}
+
+/// Returns a pattern with the name of a model in place of each {stem}.
+std::string with_stem(std::string pattern, const std::string& model) {
+  const std::string stem = stem_of(model);
+  for (std::size_t at = pattern.find(kStem); at != std::string::npos; at = pattern.find(kStem, at + stem.size()))
+    pattern.replace(at, kStem.size(), stem);
+  return pattern;
+}
+
 }  // namespace
+
+Result<std::vector<RenderOptions>> options_by_model(const RenderOptions& o) {
+  const auto has_stem = [](const std::string& file) { return file.find(kStem) != std::string::npos; };
+  if (!o.same_view && (has_stem(o.output) || has_stem(o.svg)))
+    return field_error("--output", o.output, "{0} '{1}': {2} names the picture of each model, for --same-view", kStem);
+  if (!o.same_view) return std::vector<RenderOptions>{o};
+  if (contains(o.models, "-"))
+    return field_error("--same-view", true, "{} reads each model twice, and standard input can be read once");
+  std::vector<RenderOptions> all;
+  std::map<std::string, std::string> models;  // by output
+  for (const std::string& model : o.models) {
+    RenderOptions& one = all.emplace_back(o);
+    one.models = {model};
+    for (std::string* file : {&one.output, &one.svg}) {
+      if (!file->empty() && !has_stem(*file))
+        return field_error(file == &one.svg ? "--svg" : "--output", *file,
+                           "{0} '{1}' is one name for the pictures of all models: give a name such as 'out/{2}.png'",
+                           kStem);
+      *file = with_stem(*file, model);
+    }
+    if (const auto [other, is_new] = models.emplace(one.output, model); !is_new)
+      return field_error("--output", one.output, "'{2}' and '{3}' would both be written to '{1}'", other->second,
+                         model);
+  }
+  return all;
+}
+
+VideoSettings video_settings(const RenderOptions& o, int width, int height) {
+  return {.width = width,
+          .height = height,
+          .frame_rate = o.frame_rate,
+          .alpha = o.writes_passes() ? o.writes_only("outline") : o.request.transparent};
+}
 
 Result<std::string> extension_of(const std::string& file) {
   if (is_svg(file)) return std::string("svg");
@@ -85,6 +140,18 @@ std::vector<std::string> picture_planes(const RenderOptions& o, const Destinatio
   const std::string pass = is_scene_linear(o) ? "beauty" : "color";
   std::vector<std::string> names = {pass + ".r", pass + ".g", pass + ".b"};
   if (o.request.transparent || destination.extension() == "exr") names.push_back(pass + ".a");
+  return names;
+}
+
+Result<std::vector<std::string>> pass_planes_of(const RenderOptions& o, std::span<const std::string> available,
+                                                const PictureInfo& info) {
+  std::vector<std::string> words = o.request.passes;
+  if (is_scene_linear(o)) std::replace(words.begin(), words.end(), std::string("color"), std::string("beauty"));
+  const auto chosen = chosen_planes(words, available, info);
+  if (!chosen) return chosen.error();
+  std::vector<std::string> names;
+  for (const PassPlanes& pass : *chosen)
+    if (!is_scene_linear(o) || pass.name != "color") names.insert(names.end(), pass.planes.begin(), pass.planes.end());
   return names;
 }
 

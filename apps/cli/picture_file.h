@@ -17,6 +17,13 @@ inline constexpr std::string_view kStandardOutput = "-";  // value of --output
 /// Returns the extension of a file name, without the dot. Errors: kUsage for a format that cannot be written.
 Result<std::string> extension_of(const std::string& file);
 
+/// Returns the options of each picture: those for one model each, with its name in place of {stem}, with --same-view;
+/// else the given ones. Errors: kUsage.
+Result<std::vector<RenderOptions>> options_by_model(const RenderOptions& o);
+
+/// Returns the settings of a video with frames of this size; 0: of the first frame.
+VideoSettings video_settings(const RenderOptions& o, int width, int height);
+
 /// Returns whether files of this extension hold display values, 0 to 1, which viewers show.
 bool holds_display_values(std::string_view extension);
 
@@ -45,6 +52,10 @@ bool is_scene_linear(const RenderOptions& o);
 
 /// Returns the planes of the picture as the file holds it.
 std::vector<std::string> picture_planes(const RenderOptions& o, const Destination& destination);
+
+/// Returns the planes of the requested passes of a picture with the planes `available`. Errors: kUsage.
+Result<std::vector<std::string>> pass_planes_of(const RenderOptions& o, std::span<const std::string> available,
+                                                const PictureInfo& info);
 
 /// Converts a drawn picture, or some of its rows, to the planes of the file. `names`: the planes of `drawn` to
 /// write. `info`: properties of the picture, for the range of depth. In .exr, colour is premultiplied, and `beauty`, if

@@ -31,19 +31,6 @@
 namespace umbrage::cli {
 namespace {
 
-/// Returns the planes of the requested passes of a picture with the planes `available`. Errors: kUsage.
-Result<std::vector<std::string>> pass_planes_of(const RenderOptions& o, std::span<const std::string> available,
-                                                const PictureInfo& info) {
-  std::vector<std::string> words = o.request.passes;
-  if (is_scene_linear(o)) std::replace(words.begin(), words.end(), std::string("color"), std::string("beauty"));
-  const auto chosen = chosen_planes(words, available, info);
-  if (!chosen) return chosen.error();
-  std::vector<std::string> names;
-  for (const PassPlanes& pass : *chosen)
-    if (!is_scene_linear(o) || pass.name != "color") names.insert(names.end(), pass.planes.begin(), pass.planes.end());
-  return names;
-}
-
 /// The files to write and the number of frames, checked before the model is read.
 struct Output {
   int frames = 1;
@@ -158,13 +145,6 @@ Result<Output> output_of(const RenderOptions& o) {
   return output;
 }
 
-VideoSettings video_settings(const RenderOptions& o) {
-  return {.width = o.request.width,
-          .height = o.request.height,
-          .frame_rate = o.frame_rate,
-          .alpha = o.writes_passes() ? o.writes_only("outline") : o.request.transparent};
-}
-
 /// What all frames of a model need.
 struct Drawing {
   const RenderOptions& o;
@@ -264,7 +244,7 @@ Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& d
   Drawing all{o, job, device, scene, plan, {o.output, nullptr, {}}};
   if (!job.output.is_turntable) return draw_in_order(all, nullptr, times);
   if (job.output.is_video) {
-    auto video = Video::begin(o.output, video_settings(o));
+    auto video = Video::begin(o.output, video_settings(o, o.request.width, o.request.height));
     return video ? draw_in_order(all, video->get(), times) : Result<void>(video.error());
   }
   constexpr int kWorkers = 3;  // one draws with all threads while the others write
@@ -337,7 +317,8 @@ Result<RenderJob> make_job(const RenderOptions& o) {
     return field_error("--time", o.time_s, "{0} averages several pictures, but {2} are not averaged: leave out --time",
                        job.lines.alone ? "lines" : "these --passes");
   if (output->is_video)
-    if (auto status = check_video(o.output, video_settings(o)); !status) return status.error();
+    if (auto status = check_video(o.output, video_settings(o, o.request.width, o.request.height)); !status)
+      return status.error();
   const auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
   job.model_import = *import_with;
@@ -380,8 +361,10 @@ Result<StripSizes> planned_strips(const RenderOptions& o, const RenderJob& job, 
   return strips;
 }
 
-/// Reads the environment map and the model. Prints their warnings and those about unused settings.
-Result<Scene> read_scene(const RenderOptions& o, RenderJob& job, ProgressLine& line) {
+/// Reads the environment map and the model. Prints their warnings and those about unused settings. `same_view`: see
+/// load_same_view; null: the model has its own view.
+Result<Scene> read_scene(const RenderOptions& o, RenderJob& job, const std::shared_ptr<const Scene>& same_view,
+                         ProgressLine& line) {
   const auto warn = [&](const std::string& warning) {
     line.wipe();
     print_warning(warning);
@@ -393,6 +376,7 @@ Result<Scene> read_scene(const RenderOptions& o, RenderJob& job, ProgressLine& l
   line.show("reading " + o.models[0]);
   auto scene = load_models(o.models, o.input_format, job.model_import);
   if (!scene) return scene;
+  if (same_view) set_same_view(same_view, *scene);
   if (job.recipe.camera_index)
     if (auto used = use_camera(*job.recipe.camera_index, *scene); !used) return used.error();
   for (const std::string& warning : scene->warnings) warn(warning);
@@ -405,30 +389,20 @@ Result<Scene> read_scene(const RenderOptions& o, RenderJob& job, ProgressLine& l
   return scene;
 }
 
-Result<void> render(const RenderOptions& given) {
-  RenderOptions o = given;
-  choose_line_look(o);
-  if (auto chosen = choose_picture(o); !chosen) return chosen;
-  if (auto chosen = choose_samples(o); !chosen) return chosen;
-  StageTimes times;
-  auto job = make_job(o);
-  if (!job) return job.error();
-  if (job->output.is_sequence() && job->output.sequence.own.empty()) return {};
-  auto opened = device_of(o);
-  if (!opened) return opened.error();
-  std::unique_ptr<Device> device = std::move(*opened);
-
+/// Draws the model or models of one command line, and writes the picture or pictures.
+Result<void> render_scene(const RenderOptions& o, RenderJob& job, const std::shared_ptr<const Scene>& same_view,
+                          std::unique_ptr<Device>& device, StageTimes& times) {
   std::optional<ProgressLine> line(std::in_place);
-  auto scene = read_scene(o, *job, *line);
+  auto scene = read_scene(o, job, same_view, *line);
   if (!scene) return scene.error();
   times.done("load");
   const std::size_t meshes = scene->meshes.size();
   const std::string size = size_text(*scene);
   line->show("preparing " + scene->name);
-  complete_scene(*scene, job->recipe);
-  const auto plan = make_plan(job->recipe, *scene, device->threads());
+  complete_scene(*scene, job.recipe);
+  const auto plan = make_plan(job.recipe, *scene, device->threads());
   if (!plan) return plan.error();
-  const auto strips = planned_strips(o, *job, *plan, device);
+  const auto strips = planned_strips(o, job, *plan, device);
   if (!strips) return strips.error();
   if (auto ready = device->prepare(*scene); !ready) return ready;
   line.reset();
@@ -445,13 +419,43 @@ Result<void> render(const RenderOptions& given) {
     for (const OperationText& each : described(program_of(*plan)))
       fmt::print(stderr, "  {}: {}\n", each.name, each.summary);
   ProgressLine drawing;
-  if (auto status = strips->rows > 0 ? draw_into_file(o, *job, *device, *scene, *plan, strips->rows, drawing, times)
-                                     : draw_frames(o, *job, *device, *scene, *plan, times);
+  if (auto status = strips->rows > 0 ? draw_into_file(o, job, *device, *scene, *plan, strips->rows, drawing, times)
+                                     : draw_frames(o, job, *device, *scene, *plan, times);
       !status)
     return status;
   drawing.wipe();
   if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, device->description());
-  const auto dispatches = device->finish();
+  return {};
+}
+
+Result<void> render(const RenderOptions& o) {
+  auto all = options_by_model(o);
+  if (!all) return all.error();
+  StageTimes times;
+  std::vector<RenderJob> jobs;
+  for (RenderOptions& each : *all) {
+    choose_line_look(each);
+    if (auto chosen = choose_picture(each); !chosen) return chosen;
+    if (auto chosen = choose_samples(each); !chosen) return chosen;
+    auto job = make_job(each);
+    if (!job) return job.error();
+    jobs.push_back(std::move(*job));
+  }
+  const auto is_done = [](const RenderJob& job) { return job.output.is_sequence() && job.output.sequence.own.empty(); };
+  if (std::all_of(jobs.begin(), jobs.end(), is_done)) return {};
+  auto device = device_of(o);
+  if (!device) return device.error();
+  std::shared_ptr<const Scene> same_view;
+  if (o.same_view) {
+    auto loaded = load_same_view(o.models, jobs[0].model_import);
+    if (!loaded) return loaded.error();
+    same_view = std::move(*loaded);
+    times.done("load");
+  }
+  for (std::size_t k = 0; k < jobs.size(); ++k)
+    if (!is_done(jobs[k]))
+      if (auto drawn = render_scene((*all)[k], jobs[k], same_view, *device, times); !drawn) return drawn;
+  const auto dispatches = (*device)->finish();
   if (!dispatches) return dispatches.error();
   if (o.verbose || o.json) print_times(times, times_by_dispatch(*dispatches), o.json);
   return {};
@@ -481,8 +485,13 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
              "number of frames for one turn of the model, written as turn_0000.png and so on, or as a video",
              "one picture")
       ->group(output);
+  command
+      ->add_flag("--same-view", options->same_view,
+                 "draw each model alone, with one camera, ground and exposure, to --output 'out/{stem}.png', where "
+                 "{stem} is the name of the model")
+      ->group(output);
   add_sequence_options(*command, options->sequence, false);
-  add_number(*command, "--frame-rate", options->frame_rate, {0.1, 1000}, "frames per second of a video")->group(output);
+  add_frame_rate(*command, options->frame_rate);
   add_output_options(*command, *options,
                      "approximate memory limit, such as 6G or 500M; a picture that needs more is drawn in strips");
   add_device_options(*command, *options, kRender);

@@ -194,7 +194,7 @@ struct Progress {
     const std::lock_guard lock(mutex);
     if (made && writes) add_to_record(sequence, frame);
     fractions[std::size_t(worker)] = 0.0;
-    if (!made && !end && ends(made.error().kind)) end = made.error();
+    if (!made && !end && (work.needs_all || ends(made.error().kind))) end = made.error();
     if (!writes || (!made && end)) return made;
     ++done;
     if (!made) failed.push_back(frame);

@@ -65,8 +65,9 @@ struct FrameTask {
 using MakeFrame = std::function<Result<void>(const FrameTask& task)>;
 
 struct SequenceWork {
-  std::string activity;  ///< "shading", for the progress line
-  bool verbose = false;  ///< prints a line for each frame
+  std::string activity;    ///< "shading", for the progress line
+  bool verbose = false;    ///< prints a line for each frame
+  bool needs_all = false;  ///< a frame that fails ends the sequence
   MakeFrame make;
   /// Called after the first frame; makes ready for several and returns their number.
   std::function<Result<int>()> start_workers = [] { return Result<int>(1); };
@@ -75,7 +76,7 @@ struct SequenceWork {
 /// Makes the frames. One line on standard error states how many were finished before. The first frame of all shards
 /// that can be made is made first, alone and on worker 0, so that the others can depend on it; it is written only if it
 /// is one of `own`. A failure is reported by one line on standard error. Errors: kFile if frames failed or were
-/// missing; kUsage of the first frame and kInterrupted of any end the sequence.
+/// missing; kUsage of the first frame and kInterrupted of any, or any error if all are needed, end the sequence.
 Result<void> make_sequence(const Sequence& sequence, const SequenceWork& work);
 
 }  // namespace umbrage::cli

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/frame_range.h"
 #include "apps/cli/output.h"
 #include "apps/cli/picture_file.h"
 #include "apps/cli/progress.h"
@@ -85,6 +86,9 @@ Result<void> shade_one(ShadeOptions& o, double memory) {
     return field_error("--output", o.output,
                        "{} '{}' has a frame number, and the input has none: give an input such as shot.####.exr, or an "
                        "output such as out.png");
+  if (is_video(o.output))
+    return field_error("--output", o.output,
+                       "'{1}' is a video, which needs several frames: give an input such as shot.####.exr");
   if (auto status = prepare_shading(o, o.output); !status) return status;
   if (auto status = check_inputs_remain(o.request.gbuffer, o.output); !status) return status;
   StageTimes times;
@@ -127,12 +131,16 @@ struct ShadeSequence {
   std::vector<StageTimes> times;   ///< of each worker
   std::optional<SequenceStart> start;
   FactPrinter printer;
+  std::unique_ptr<Video> video = nullptr;  ///< if not null, receives the frames in place of files
 };
 
 Result<void> shade_task(ShadeSequence& all, const FrameTask& task) {
   const std::size_t own = std::size_t(task.worker) % all.devices.size();
   ShadeFrame frame{.gbuffer = settings_of_frame(all.o.request.gbuffer, task.frame),
-                   .output = task.writes ? all.outputs.of(task.frame) : "",
+                   .output = all.video     ? all.o.output
+                             : task.writes ? all.outputs.of(task.frame)
+                                           : "",
+                   .video = all.video.get(),
                    .memory = all.memory / all.workers,
                    .start = all.start,
                    .monitor = task.monitor};
@@ -157,6 +165,7 @@ Result<void> shade_task(ShadeSequence& all, const FrameTask& task) {
 
 /// Returns the number of frames that are shaded at once, with a device for each of them on the CPU.
 Result<int> start_workers(ShadeSequence& all) {
+  if (all.video) return 1;  // frames are added in order
   const int threads = all.devices[0]->threads();
   const double fitting = all.in_memory && all.frame_bytes > 0.0 ? all.memory / all.frame_bytes : 1.0;
   all.workers = int(std::clamp(fitting, 1.0, double(threads)));
@@ -176,10 +185,19 @@ Result<void> shade_sequence(ShadeOptions& o, double memory) {
   if (!outputs) return with_field(outputs.error(), "--output");
   auto files = input_files(o.request.gbuffer);
   if (!files) return files.error();
-  files->outputs = {*outputs};
+  const bool video = is_video(o.output);
+  if (video && (!o.sequence.shard.empty() || o.sequence.overwrite))
+    return field_error(o.sequence.overwrite ? "--overwrite" : "--shard", "", "{} is for numbered pictures");
+  if (video)
+    o.sequence.overwrite = true;
+  else
+    files->outputs = {*outputs};
   const auto sequence = plan_sequence(o.sequence, *files, {});
   if (!sequence) return sequence.error();
-  if (auto status = prepare_shading(o, outputs->of(sequence->all.front())); !status) return status;
+  if (video && !sequence->missing.empty())
+    return file_error("'{}' cannot be written: these frames have no input: {}", o.output,
+                      frames_text(sequence->missing));
+  if (auto status = prepare_shading(o, video ? o.output : outputs->of(sequence->all.front())); !status) return status;
   auto device = device_of(o);
   if (!device) return device.error();
   ShadeSequence all{.o = o,
@@ -192,10 +210,17 @@ Result<void> shade_sequence(ShadeOptions& o, double memory) {
                     .start = {},
                     .printer = FactPrinter(o.verbose)};
   all.devices.push_back(std::move(*device));
-  const auto made = make_sequence(*sequence, {.activity = "shading",
-                                              .verbose = o.verbose,
-                                              .make = [&](const FrameTask& task) { return shade_task(all, task); },
-                                              .start_workers = [&] { return start_workers(all); }});
+  if (video) {
+    auto begun = Video::begin(o.output, video_settings(o, 0, 0));
+    if (!begun) return begun.error();
+    all.video = std::move(*begun);
+  }
+  auto made = make_sequence(*sequence, {.activity = "shading",
+                                        .verbose = o.verbose,
+                                        .needs_all = video,
+                                        .make = [&](const FrameTask& task) { return shade_task(all, task); },
+                                        .start_workers = [&] { return start_workers(all); }});
+  if (made && video) made = all.video->finish();
   StageTimes times;
   for (const StageTimes& worker : all.times) add_times(times, worker);
   if (o.verbose) fmt::print(stderr, "{}, {} frames at once\n", all.devices[0]->description(), all.workers);
@@ -237,7 +262,7 @@ void add_shade(CLI::App& app, std::function<Result<void>()>& run) {
   command
       ->add_option("-o,--output", options->output,
                    "file to write: .png, .jpg, .webp, .exr or .pfm; - for a PNG on standard output; for a sequence "
-                   "with the frame number as ####")
+                   "with the frame number as ####, or as .mp4, .webm or .gif")
       ->type_name("FILE")
       ->required()
       ->group(output);
@@ -246,6 +271,7 @@ void add_shade(CLI::App& app, std::function<Result<void>()>& run) {
                  "write a copy of the input .exr with the results, or those of --passes, as more layers: umbrage.ao")
       ->group(output);
   add_sequence_options(*command, options->sequence, true);
+  add_frame_rate(*command, options->frame_rate);
   add_output_options(*command, *options,
                      "approximate memory limit, such as 6G or 500M; as many frames of a sequence are shaded at once, "
                      "and a larger picture in strips");

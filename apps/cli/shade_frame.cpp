@@ -16,6 +16,7 @@
 #include "effects/effects.h"
 #include "gbuffers/conventions.h"
 #include "gbuffers/roles.h"
+#include "io/format.h"
 #include "io/layers.h"
 #include "io/svg.h"
 #include "renderer/passes.h"
@@ -109,7 +110,7 @@ std::string merged_name(std::string plane) {
 /// Returns whether the finished picture of another renderer has alpha, which its format can hold.
 bool keeps_alpha(const Recipe& recipe, const GBufferFile& file, const Destination& destination) {
   const auto formats = image_formats();
-  return recipe.look->needs_beauty && file.has_plane("beauty.a") &&
+  return recipe.look->needs_beauty && file.has_plane("beauty.a") && !destination.video &&
          std::any_of(formats.begin(), formats.end(), [&](const ImageFormat& format) {
            return format.extension == destination.extension() && format.alpha;
          });
@@ -127,6 +128,23 @@ struct Writing {
 /// Shades rows and passes them to `take`, converted for the file.
 using ShadeRows = std::function<Result<void>(const TakeImageRows& take)>;
 
+/// Shades all rows and returns them as one picture. Errors: those of `shade`.
+Result<Image> whole_picture(const ShadeRows& shade, int height) {
+  Image whole;
+  int filled = 0;
+  auto shaded = shade([&](const Image& rows) -> Result<void> {
+    if (filled == 0) whole = Image(rows.width, height);
+    for (std::size_t k = 0; k < rows.planes.size(); ++k) {
+      if (filled == 0) whole.add(rows.names[k]) = Plane(rows.width, height);
+      for (int y = 0; y < rows.height; ++y)
+        std::copy_n(rows.planes[k].row(y), rows.width, whole.planes[k].row(filled + y));
+    }
+    filled += rows.height;
+    return {};
+  });
+  return shaded ? Result<Image>(std::move(whole)) : shaded.error();
+}
+
 /// Adds the planes to a copy of the input.
 Result<void> write_as_layers(const Writing& writing, const ShadeRows& shade) {
   const std::string base = writing.file.merge_base();
@@ -134,23 +152,12 @@ Result<void> write_as_layers(const Writing& writing, const ShadeRows& shade) {
     return field_error("--merge", true, "{} adds layers to a copy of an .exr file, and the input is none");
   const auto header = read_header(base);
   if (!header) return header.error();
-  const PictureInfo& info = writing.file.info();
-  Image layers(info.width, info.height);
-  int filled = 0;
-  auto shaded = shade([&](const Image& rows) -> Result<void> {
-    if (rows.width != layers.width || filled + rows.height > layers.height)
-      return field_error("reduction", "", "--merge needs a picture of the size of the input: leave out `{}`");
-    for (std::size_t k = 0; k < rows.planes.size(); ++k) {
-      const std::string name = merged_name(rows.names[k]);
-      if (filled == 0) layers.add(name) = Plane(layers.width, layers.height);
-      for (int y = 0; y < rows.height; ++y)
-        std::copy_n(rows.planes[k].row(y), rows.width, layers.plane(name).row(filled + y));
-    }
-    filled += rows.height;
-    return {};
-  });
-  if (!shaded) return shaded;
-  return write_merged(*header, layers, writing.o.half, writing.destination.file);
+  if (writing.o.request.gbuffer.reduction > 1)
+    return field_error("reduction", "", "--merge needs a picture of the size of the input: leave out `{}`");
+  auto layers = whole_picture(shade, writing.file.info().height);
+  if (!layers) return layers.error();
+  for (std::string& name : layers->names) name = merged_name(name);
+  return write_merged(*header, *layers, writing.o.half, writing.destination.file);
 }
 
 /// Writes the planes to a file of their own.
@@ -158,6 +165,10 @@ Result<void> write_as_picture(const Writing& writing, const ShadeRows& shade, in
   const ShadeOptions& o = writing.o;
   const PictureInfo& info = writing.file.info();
   const int reduction = o.request.gbuffer.reduction;
+  if (Video* video = writing.destination.video) {
+    const auto picture = whole_picture(shade, info.height / reduction);
+    return picture ? video->add(*picture) : picture.error();
+  }
   // The conversion of a picture of one pixel yields the names of the planes in the file.
   Image pixel(1, 1);
   for (const std::string& name : writing.planes) pixel.add(name) = Plane(1, 1, 0.0f);
@@ -232,18 +243,22 @@ std::string path_of(const std::string& name) {
 }
 
 Result<void> prepare_shading(ShadeOptions& o, const std::string& output) {
-  const bool piped = output == kStandardOutput;
+  const bool piped = output == kStandardOutput, video = is_video(output);
   if (piped)
     if (auto status = check_piped(o); !status) return status;
+  if (video)
+    if (auto status = check_video(output, video_settings(o, 0, 0)); !status) return status;
   if (is_svg(output))
     return field_error("--output", output, "umbrage shade writes no .svg: '{1}' must be a picture, such as .png");
   if (!piped)
     if (auto writable = check_writable(output); !writable) return with_field(writable.error(), "--output");
-  const auto extension = piped ? Result<std::string>("png") : extension_of(output);
+  const auto extension = piped   ? Result<std::string>("png")
+                         : video ? Result<std::string>(lowercase_extension(output))
+                                 : extension_of(output);
   if (!extension) return extension.error();
   if (o.merge && *extension != "exr")
     return field_error("--merge", true, "{0} writes an .exr file, not .{2}", *extension);
-  o.request.values = values_for(o, *extension);
+  o.request.values = values_for(o, video ? "png" : *extension);
   if (auto status = check_output(o, *extension); !status) return status;
   // Names of looks, techniques and settings do not depend on the files.
   const auto recipe = make_shading_recipe(o.request);
@@ -273,7 +288,7 @@ Result<SequenceStart> shade_frame(const ShadeOptions& given, const ShadeFrame& f
   times.done("read");
   if (frame.opened) frame.opened(*file, recipe);
   times.last = std::chrono::steady_clock::now();  // opened() may wait
-  const Destination destination{frame.output, nullptr, {}};
+  const Destination destination{frame.output, frame.video, {}};
   const bool writes = !frame.output.empty();
   Writing writing{o, *file, recipe, destination, {}};
   if (o.writes_passes() || o.merge) {

@@ -8,6 +8,7 @@
 
 #include "apps/cli/render_options.h"
 #include "apps/cli/sequence.h"
+#include "apps/cli/video.h"
 #include "core/device.h"
 #include "renderer/shade_file.h"
 
@@ -22,6 +23,7 @@ struct ShadeOptions : RenderOptions {
 struct ShadeFrame {
   GBufferSettings gbuffer;             ///< with the files of this frame
   std::string output;                  ///< file to write; empty: none, for what later frames take from this one
+  Video* video = nullptr;              ///< if not null, receives the picture
   double memory = 0.0;                 ///< bytes
   std::optional<SequenceStart> start;  ///< of the first frame
   ProgressMonitor monitor = {};

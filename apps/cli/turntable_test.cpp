@@ -1,4 +1,4 @@
-// Tests of turntables: numbered pictures and videos of a turning model.
+// Tests of pictures that have one camera: turntables, videos, times of an animation, models with the same view.
 #include <sys/stat.h>
 
 #include <nlohmann/json.hpp>
@@ -141,6 +141,188 @@ TEST_F(TurntableTest, MakesVideos) {
   EXPECT_EQ(text_of(folder_ / "turn.webm").size(), 2u * 64 * 48 * 4);
   good(kSolids + "--look ao -o depth.gif --turntable 2 --passes depth", path);
   EXPECT_EQ(text_of(folder_ / "depth.gif").size(), 2u * 64 * 48 * 3);
+}
+
+TEST_F(TurntableTest, ShadesVideos) {
+  const std::string path = recording_ffmpeg();
+  good(kSolids + "--passes depth,normal,albedo -o shot.####.exr --turntable 3");
+  good("shade shot.####.exr -o one.####.png --device cpu");
+  good("shade shot.####.exr -o shot.mp4 --device cpu --frame-rate 12", path);
+  const std::string reported = text_of(root_ / "ffmpeg.txt"), bytes = text_of(folder_ / "shot.mp4");
+  for (const char* part : {"-video_size 64x48", "-framerate 12", "-f mp4"})
+    EXPECT_NE(reported.find(part), std::string::npos) << reported;
+  ASSERT_EQ(bytes.size(), 3u * 64 * 48 * 3);
+  for (int frame = 0; frame < 3; ++frame) {
+    const Image one = image(fmt::format("one.{:04}.png", frame));
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 64; ++x)
+        for (int c = 0; c < 3; ++c)
+          ASSERT_NEAR(one.planes[std::size_t(c)].at(x, y) * 255.0f,
+                      float(std::uint8_t(bytes[std::size_t(((frame * 48 + y) * 64 + x) * 3 + c)])), 1e-3f);
+  }
+  good("shade shot.####.exr -o half.gif --device cpu --reduction 2 --frames 0-1", path);
+  EXPECT_EQ(text_of(folder_ / "half.gif").size(), 2u * 32 * 24 * 3);
+  write("shot.mp4", "older");
+  bad("shade shot.0000.exr -o shot.mp4", 2, {"shot.mp4", "####"}, path);
+  bad("shade shot.####.exr -o shot.mp4 --shard 1/2", 2, {"--shard"}, path);
+  bad("shade shot.####.exr -o shot.mp4 --overwrite", 2, {"--overwrite"}, path);
+  bad("shade shot.####.exr -o shot.mp4 --merge", 2, {"--merge"}, path);
+  bad("shade shot.####.exr -o shot.mp4 --frames 0-4", 3, {"no input: 3-4"}, path);
+  bad("shade shot.####.exr -o shot.mp4", 3, {"ffmpeg", "not on PATH"}, "PATH=/nowhere");
+  fs::resize_file(folder_ / "shot.0001.exr", 3000);
+  bad("shade shot.####.exr -o shot.mp4 --device cpu", 3, {"shot.0001.exr"}, path);
+  EXPECT_EQ(text_of(folder_ / "shot.mp4"), "older");
+}
+
+/// Writes a box of this size in x, on the ground.
+std::string box_obj(float width) {
+  return fmt::format(
+      "v 0 0 0\nv {0} 0 0\nv {0} 0 1\nv 0 0 1\nv 0 1 0\nv {0} 1 0\nv {0} 1 1\nv 0 1 1\n"
+      "f 4 3 7 8\nf 3 2 6 7\nf 1 4 8 5\nf 2 1 5 6\nf 8 7 6 5\nf 1 2 3 4\n",
+      width);
+}
+
+/// Returns a model of which one box stays and another rises by 5 in 2 seconds and turns half around.
+std::string rising_gltf(bool moves) {
+  auto json = nlohmann::json::parse(R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],
+"nodes":[{"mesh":0,"name":"stays"},{"mesh":1,"name":"rises","translation":[2,0,0]}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]},
+{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":1}]}],
+"materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.3,0.3,0.3,1],"metallicFactor":0}},
+{"pbrMetallicRoughness":{"baseColorFactor":[0.9,0.9,0.9,1],"metallicFactor":0},"emissiveFactor":[1,1,1]}],
+"buffers":[{"uri":"rise.bin","byteLength":196}],
+"bufferViews":[{"buffer":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":36},
+{"buffer":0,"byteOffset":132,"byteLength":8},{"buffer":0,"byteOffset":140,"byteLength":24},
+{"buffer":0,"byteOffset":164,"byteLength":32}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":8,"type":"VEC3"},
+{"bufferView":1,"componentType":5121,"count":36,"type":"SCALAR"},
+{"bufferView":2,"componentType":5126,"count":2,"type":"SCALAR"},
+{"bufferView":3,"componentType":5126,"count":2,"type":"VEC3"},
+{"bufferView":4,"componentType":5126,"count":2,"type":"VEC4"}],
+"animations":[{"samplers":[{"input":2,"output":3},{"input":2,"output":4}],
+"channels":[{"sampler":0,"target":{"node":1,"path":"translation"}},
+{"sampler":1,"target":{"node":1,"path":"rotation"}}]}]})");
+  if (!moves) json.erase("animations");
+  return json.dump();
+}
+
+std::string rising_bin() {
+  std::string bytes;
+  const auto add = [&](std::initializer_list<float> numbers) {
+    for (const float number : numbers) bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  for (const float y : {0.0f, 1.0f}) add({-0.5f, y, -0.5f, 0.5f, y, -0.5f, 0.5f, y, 0.5f, -0.5f, y, 0.5f});
+  for (const char index :
+       {0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6, 3, 2, 6, 3, 6, 7, 2, 1, 5, 2, 5, 6, 1, 0, 4, 1, 4, 5, 0, 3, 7, 0, 7, 4})
+    bytes.push_back(index);
+  add({0.0f, 2.0f});
+  add({2.0f, 0.0f, 0.0f, 2.0f, 5.0f, 0.0f});
+  add({0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 1.0f, 0.0f, 0.0f});
+  return bytes;
+}
+
+/// Returns the number of pixels that show a surface, and of those among them that differ, where both pictures show the
+/// object `id`; and whether a surface is at the border.
+struct Seen {
+  int both = 0, different = 0;
+  bool at_border = false;
+};
+Seen seen(const Image& a, const Image& b, const Image& color_a, const Image& color_b, float id) {
+  Seen seen;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) {
+      const float d = a.plane("depth").at(x, y);
+      seen.at_border |= std::isfinite(d) && (x == 0 || y == 0 || x == a.width - 1 || y == a.height - 1);
+      if (a.plane("object_id").at(x, y) != id || b.plane("object_id").at(x, y) != id) continue;
+      ++seen.both;
+      seen.different += d != b.plane("depth").at(x, y) ||
+                        std::abs(color_a.plane("color.g").at(x, y) - color_b.plane("color.g").at(x, y)) > 1.5f / 255.0f;
+    }
+  return seen;
+}
+
+// The camera, the ground and the exposure are those of the whole animation: what does not move looks the same at all
+// times, and what moves stays in the picture.
+TEST_F(TurntableTest, AMovingModelHasOneViewAndExposure) {
+  write("rise.bin", rising_bin());
+  write("rise.gltf", rising_gltf(true));
+  write("still.gltf", rising_gltf(false));
+  const std::string small = " --device cpu --resolution 96x96 --ao none ";
+  for (const char* time : {"0", "0.9", "2"})
+    for (const char* output : {"png", "exr --passes depth,object_id"})
+      good(fmt::format("rise.gltf{0}--animation-time {1} -o t{1}.{2}", small, time, output));
+  const Image first = image("t0.exr"), first_color = image("t0.png");
+  for (const std::string time : {"0", "0.9", "2"}) {
+    const Image other = image("t" + time + ".exr"), color = image("t" + time + ".png");
+    const Seen stays = seen(other, first, color, first_color, 0.0f);
+    EXPECT_GT(stays.both, 100) << time;
+    EXPECT_LT(stays.different, stays.both / 10) << time << ": shadows and light of what moves may change a few";
+    EXPECT_FALSE(stays.at_border) << time;
+    EXPECT_GT(seen(other, other, color, color, 1.0f).both, 100) << time;
+  }
+  // Without a time, the animation changes nothing.
+  good("rise.gltf" + small + "-o rise.png");
+  good("still.gltf" + small + "-o still.png");
+  EXPECT_EQ(text_of(folder_ / "rise.png"), text_of(folder_ / "still.png"));
+}
+
+TEST_F(TurntableTest, ModelsWithTheSameViewAreDrawnAlone) {
+  write("a.obj", box_obj(1.0f));
+  write("b.obj", box_obj(4.0f));
+  write("c.obj", box_obj(1.0f));
+  fs::create_directory(folder_ / "out");
+  const std::string small = " --device cpu --resolution 64x64 ";
+  good("a.obj b.obj c.obj" + small + "--same-view -o out/{stem}.png");
+  good("a.obj b.obj" + small + "--same-view -o out/{stem}.exr --passes depth,object_id");
+  EXPECT_EQ(names(),
+            (std::set<std::string>{"a.obj", "b.obj", "c.obj", "out", "a.png", "b.png", "c.png", "a.exr", "b.exr"}));
+  EXPECT_EQ(text_of(folder_ / "out/a.png"), text_of(folder_ / "out/c.png"));
+  // The left side, which both boxes have, is seen from one camera.
+  const Image a = image("out/a.exr"), b = image("out/b.exr");
+  int both = 0, same = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      if (std::isfinite(a.plane("depth").at(x, y))) {
+        ++both;
+        same += std::abs(a.plane("depth").at(x, y) - b.plane("depth").at(x, y)) < 1e-4f;
+      }
+  EXPECT_GT(both, 60);
+  EXPECT_GT(same, both / 2) << "the front and the top are the same in both";
+  good("a.obj" + small + "-o alone.exr --passes depth");
+  EXPECT_NE(text_of(folder_ / "alone.exr"), text_of(folder_ / "out/a.exr"));
+}
+
+TEST_F(TurntableTest, RefusesNamesForModelsWithTheSameView) {
+  write("a.obj", box_obj(1.0f));
+  write("a.b.obj", box_obj(1.0f));
+  fs::create_directory(folder_ / "more");
+  fs::copy(folder_ / "a.obj", folder_ / "more/a.obj");
+  const std::set<std::string> before = names();
+  bad("a.obj a.b.obj --same-view -o out.png", 2, {"out.png", "{stem}"});
+  bad("a.obj more/a.obj --same-view -o {stem}.png", 2, {"more/a.obj", "'a.png'"});
+  bad("a.obj nothere.obj --same-view -o {stem}.png", 3, {"nothere.obj", "does not exist"});
+  bad("a.obj - --same-view -o {stem}.png", 2, {"--same-view", "standard input"});
+  bad("a.obj -o {stem}.png", 2, {"{stem}", "--same-view"});
+  bad("a.obj --same-view -o {stem}.svg --svg x.svg", 2, {"--svg", "{stem}"});
+  bad("a.obj --same-view -o nothere/{stem}.png", 3, {"nothere"});
+  EXPECT_EQ(names(), before);
+}
+
+TEST_F(TurntableTest, WarnsOfUnrelatedModels) {
+  write("a.obj", box_obj(1.0f));
+  write("b.obj", box_obj(1.5f));
+  write("large.obj", box_obj(500.0f));
+  write("far.obj", "v 40 0 0\nv 41 0 0\nv 40 1 0\nf 1 2 3\n");
+  const std::string small = " --device cpu --resolution 16x16 --ao none -o out.png";
+  const auto count = [&](const std::string& models) {
+    const std::string text = run(models + small).err;
+    int found = 0;
+    for (auto at = text.find("--same-view"); at != std::string::npos; at = text.find("--same-view", at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("a.obj b.obj"), 0);
+  EXPECT_EQ(count("a.obj large.obj"), 1);
+  EXPECT_EQ(count("a.obj far.obj large.obj"), 1);
 }
 
 TEST_F(TurntableTest, AVideoIsWholeOrNotThere) {

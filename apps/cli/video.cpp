@@ -69,15 +69,21 @@ std::vector<std::string> ffmpeg_arguments(const std::string& extension, const Vi
   return words;
 }
 
+/// Checks the size of the frames. Errors: kUsage.
+Result<void> check_size(const fs::path& file, const VideoSettings& settings) {
+  const std::string extension = lowercase_extension(file);
+  if (extension == "gif" || (settings.width % 2 == 0 && settings.height % 2 == 0)) return {};
+  return field_error("width", fmt::format("{},{}", settings.width, settings.height),
+                     "`{}` cannot be {}: width and height of a .{} must be even", extension);
+}
+
 }  // namespace
 
 bool is_video(const fs::path& file) { return contains(kExtensions, lowercase_extension(file)); }
 
 Result<void> check_video(const fs::path& file, const VideoSettings& settings) {
   const std::string extension = lowercase_extension(file);
-  if (extension != "gif" && (settings.width % 2 != 0 || settings.height % 2 != 0))
-    return field_error("width", fmt::format("{},{}", settings.width, settings.height),
-                       "`{}` cannot be {}: width and height of a .{} must be even", extension);
+  if (auto status = check_size(file, settings); !status) return status;
   if (extension == "mp4" && settings.alpha)
     return field_error(
         "transparent", true,
@@ -98,7 +104,8 @@ Result<std::unique_ptr<Video>> Video::begin(const fs::path& file, const VideoSet
   auto part = PartFile::begin(file);
   if (!part) return part.error();
   video->part_ = std::move(*part);
-  if (auto started = video->start(); !started) return started.error();
+  if (settings.width > 0)
+    if (auto started = video->start(); !started) return started.error();
   return video;
 }
 
@@ -161,6 +168,12 @@ Video::~Video() {
 }
 
 Result<void> Video::add(const Image& frame) {
+  if (settings_.width == 0) {
+    settings_.width = frame.width;
+    settings_.height = frame.height;
+    if (auto status = check_size(file_, settings_); !status) return status;
+    if (auto started = start(); !started) return started;
+  }
   if (frame.width != settings_.width || frame.height != settings_.height)
     return Error{ErrorKind::kInternal, "a frame and its video differ in size"};
   const auto planes = picture_planes(file_, frame, settings_.alpha);

@@ -20,7 +20,7 @@ namespace umbrage::cli {
 bool is_video(const std::filesystem::path& file);
 
 struct VideoSettings {
-  int width = 0, height = 0;  ///< pixels
+  int width = 0, height = 0;  ///< pixels; 0: of the first frame
   double frame_rate = 30.0;   ///< frames per second
   bool alpha = false;         ///< frames have alpha; not for .mp4
 };
@@ -32,12 +32,12 @@ Result<void> check_video(const std::filesystem::path& file, const VideoSettings&
 /// A video that is being written. The file appears only when it is complete, in `finish`. For the main thread only.
 class Video {
  public:
-  /// Starts ffmpeg. Errors: kFile.
+  /// Starts ffmpeg, or leaves that to the first frame, whose size is needed. Errors: kFile.
   static Result<std::unique_ptr<Video>> begin(const std::filesystem::path& file, const VideoSettings& settings);
   ~Video();
   Video(const Video&) = delete;
   /// Adds a frame: planes color.r, color.g, color.b and, with alpha, color.a; or one plane, as grey. Values are
-  /// display values, 0 to 1. Errors: kFile, with the message of ffmpeg.
+  /// display values, 0 to 1. Errors: kFile, with the message of ffmpeg; kUsage for a first frame of an odd size.
   Result<void> add(const Image& frame);
   /// Waits for ffmpeg and gives the file its name. Errors: kFile.
   Result<void> finish();

@@ -122,6 +122,7 @@ inline void set_camera(const CameraRequest& camera, Setter& set) {
   set("camera.view_angle_deg", camera.view_angle_deg);
   set("camera.azimuth_deg", camera.azimuth_deg);
   set("camera.elevation_deg", camera.elevation_deg);
+  set("camera.orbit", camera.orbit);
   set("camera.zoom", camera.zoom);
   set("camera.orthographic", camera.orthographic);
 }
@@ -333,9 +334,9 @@ class FrameRenderer {
   /// to be read again.
   void place(const FrameCamera& camera, detail::Calls& calls) {
     const UmbJob job = state_->job.get();
-    for (const char* name :
-         {"camera.index", "camera.position", "camera.focal_point", "camera.view_up", "camera.direction",
-          "camera.view_angle_deg", "camera.azimuth_deg", "camera.elevation_deg", "camera.zoom", "camera.orthographic"})
+    for (const char* name : {"camera.index", "camera.position", "camera.focal_point", "camera.view_up",
+                             "camera.direction", "camera.view_angle_deg", "camera.azimuth_deg", "camera.elevation_deg",
+                             "camera.orbit", "camera.zoom", "camera.orthographic"})
       if (calls.fine()) calls.job(job, umbResetJobParameter(job, name));
     detail::Setter set(job, calls);
     if (!camera.placed) return detail::set_camera(state_->request.camera, set);

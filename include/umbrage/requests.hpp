@@ -89,7 +89,9 @@ struct CameraRequest {
   std::optional<float> view_angle_deg{};            ///< vertical field of view, 0.1 to 179
   float azimuth_deg = 0.0f;                         ///< rotation around the model, applied last
   float elevation_deg = 0.0f;                       ///< elevation above the model, applied last
-  float zoom = 1.0f;                                ///< > 1: closer; 0.001 to 1000
+  /// Azimuth and elevation move a fitted camera at one distance, as a turntable does; false: it is fitted after them.
+  bool orbit = false;
+  float zoom = 1.0f;  ///< > 1: closer; 0.001 to 1000
   bool orthographic = false;
 };
 

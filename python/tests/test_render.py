@@ -2,6 +2,7 @@
 import os
 import pathlib
 import struct
+import subprocess
 import tempfile
 import threading
 import types
@@ -12,7 +13,7 @@ import zlib
 import numpy as np
 
 import umbrage
-from support import SIZE, SOLIDS, bytes_of_program
+from support import SIZE, SOLIDS, bytes_of_program, program
 
 CUBE = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float32)
 QUADS = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
@@ -176,6 +177,35 @@ class Reuse(unittest.TestCase):
         self.assertEqual((small.width, small.height, small["depth"].shape), (20, 10, (10, 20)))
         with self.assertRaisesRegex(umbrage.UsageError, "closed"):
             renderer.render()
+
+    def test_a_renderer_orbits_at_one_distance(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            model = os.path.join(folder, "long.obj")
+            lines = [f"v {8 * x} {y} {z}" for x, y, z in CUBE] + ["f " + " ".join(str(k + 1) for k in q) for q in QUADS]
+            pathlib.Path(model).write_text("\n".join(lines))
+            center = np.mean(umbrage.Scene.load(model).bounds, axis=0)
+
+            def distance(picture: umbrage.Picture) -> float:
+                view = np.reshape(picture._view.view_from_world, (3, 4))  # type: ignore[union-attr]
+                return float(np.linalg.norm(view[:, :3].T @ view[:, 3] + center))
+
+            with umbrage.Renderer(model, size=SIZE, look="ao", device="cpu") as renderer:
+                first = renderer.render()
+                for azimuth, elevation in ((30, 0), (60, 0), (250, 20), (0, -10)):
+                    orbit = renderer.render({"azimuth_deg": azimuth, "elevation_deg": elevation})
+                    self.assertAlmostEqual(distance(orbit), distance(first), places=4)
+                fitted = renderer.render({"azimuth_deg": 60, "orbit": False})
+                turned = renderer.render({"azimuth_deg": 90}, passes="depth")
+            alone = umbrage.render(model, size=SIZE, look="ao", device="cpu", camera={"azimuth_deg": 60})
+            self.assertGreater(abs(distance(fitted) - distance(first)), 0.5)
+            self.assertEqual(distance(alone), distance(fitted))
+            # It is the camera of a turntable.
+            words = (model, "--resolution", "48,32", "--look", "ao", "--passes", "depth", "--turntable", "4")
+            subprocess.run([program(), *words, "--device", "cpu", "-o", os.path.join(folder, "turn.pfm")], check=True)
+            file = pathlib.Path(folder, "turn_0001.pfm").read_bytes()
+            values = np.frombuffer(file[-4 * 48 * 32 :], "<f4").reshape(32, 48)[::-1]
+            near = np.isclose(turned["depth"], values, rtol=1e-3) | (np.isinf(values) & np.isinf(turned["depth"]))
+            self.assertLess(np.count_nonzero(~near), 8)
 
     def test_out_is_written_where_it_lies(self) -> None:
         with umbrage.Renderer(SOLIDS, size=SIZE, device="cpu") as renderer:

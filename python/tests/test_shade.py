@@ -1,6 +1,7 @@
 """Tests of shade: types, strides, memory that is not copied, cameras, outputs."""
 import math
 import unittest
+import warnings
 
 import numpy as np
 
@@ -78,6 +79,17 @@ class Inputs(unittest.TestCase):
         np.testing.assert_array_equal(shade(half).picture, shade(half.astype(np.float32)).picture)
         deep = (d * 10000).astype(np.uint16)
         np.testing.assert_array_equal(shade(deep).picture, shade(deep / np.float32(65535)).picture)
+
+    def test_depth_without_a_surface_is_warned_of(self) -> None:
+        depth = self.depth.copy()
+        depth[:2, :5] = -0.5
+        with self.assertWarnsRegex(umbrage.UmbrageWarning, "10 of 1536 depths are below 0"):
+            shade(depth)
+        with self.assertWarnsRegex(umbrage.UmbrageWarning, "no surface"):
+            umbrage.Shader(device="cpu").shade(np.full_like(depth, np.nan))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            shade(self.depth)
 
     def test_types_of_every_kind_of_array(self) -> None:
         class OnlyBuffer:  # a memoryview has type and strides

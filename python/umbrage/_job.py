@@ -49,6 +49,9 @@ class Camera:
     """Rotation around the model, applied last."""
     elevation_deg: Optional[float] = None
     """Elevation above the model, applied last."""
+    orbit: Optional[bool] = None
+    """Azimuth and elevation move the camera at one distance, as a turntable does: the default of a Renderer. Else the
+    camera is fitted to the model after them."""
     zoom: Optional[float] = None
     """> 1: closer."""
     orthographic: Optional[bool] = None
@@ -197,14 +200,15 @@ class Job:
                 self._set(name, before.get(name))
             raise
 
-    def _set_camera(self, camera: Where) -> None:
+    def _set_camera(self, camera: Where, orbit: bool) -> None:
         """Sets the camera. Errors: UsageError."""
         given = native.mapping(vars(camera) if isinstance(camera, Camera) else camera, "camera", "a Camera or a dict")
         for name in given:
             if name not in Camera.__dataclass_fields__:
                 raise UsageError(f"a camera has no parameter '{name}'{suggestion(name, Camera.__dataclass_fields__)}")
         for name in Camera.__dataclass_fields__:
-            self._set("camera." + name, given.pop(name, None))
+            value = given.pop(name, None)
+            self._set("camera." + name, orbit if name == "orbit" and value is None else value)
 
     @contextmanager
     def _exclusive(self) -> Iterator[None]:

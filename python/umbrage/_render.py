@@ -30,6 +30,7 @@ class Renderer(Job):
     """
 
     _kind = "Renderer"
+    _orbits = True  # unless the camera says otherwise
 
     def __init__(
         self,
@@ -111,7 +112,7 @@ class Renderer(Job):
     def _place(self, size: Tuple[int, int], camera: Where) -> None:
         self._set("width", size[0])
         self._set("height", size[1])
-        self._set_camera(camera)
+        self._set_camera(camera, self._orbits)
 
     def _used_scene(self) -> Scene:
         assert self._scene is not None
@@ -179,4 +180,5 @@ def render(
         progress=shared,
         **parameters,
     ) as renderer:
+        renderer._orbits = False
         return renderer.render(out=out)

@@ -186,6 +186,7 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
       finish_scene(scene, settings.crease_angle_deg, settings.points, poll, BoundsOf::kAllButStrays);
   const std::size_t dropped_triangles = triangles - scene.triangle_count();
   separate_coplanar_faces(scene, poll);
+  set_motion(std::move(scene.motion), scene);
   if (poll && poll->ended()) return interrupted();
   if (scene.meshes.empty() && points > 0) {
     return file_error("'{}' has no points that can be drawn; all {} are not finite", file.string(), points);
@@ -244,6 +245,12 @@ Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings,
     poll.part(kRead, 1.0);
     if (!apart || !scene || scene->point_count() > 0) scene = complete_import(std::move(scene), file, settings, &poll);
     if (scene && poll.ask(1.0)) return interrupted();
+    if (!scene || scene->motion.empty() || !(settings.animation_time > 0.0f)) return scene;
+    ImportSettings at_start = settings;
+    at_start.animation_time = 0.0f;
+    auto start = import_scene(file, at_start, [&](double) { return !monitor || monitor(1.0); });
+    if (!start) return start;
+    scene->start = std::make_shared<const Scene>(std::move(*start));
     return scene;
   } catch (const std::bad_alloc&) {
     return too_large_to_read(file);

@@ -56,13 +56,14 @@ void list_fields(Archive& archive, AmbientShape& shape) {
 }
 template <class Archive>
 void list_fields(Archive& archive, Scene& scene) {
-  // No reader sets `reflections` or `shape_facts`.
+  // No reader sets `reflections`, `start` or `shape_facts`.
   auto& [name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, animation_names,
          animation_durations_s, origin, up, has_front, ambient, ambient_shape, lit_white_luminance, reflections,
-         bounds_min, bounds_max, ground_object, ground_center, ground_fade_distance, warnings, shape_facts] = scene;
+         bounds_min, bounds_max, motion, start, ground_object, ground_center, ground_fade_distance, warnings,
+         shape_facts] = scene;
   archive(name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, animation_names,
           animation_durations_s, origin, up, has_front, ambient, ambient_shape, lit_white_luminance, bounds_min,
-          bounds_max, ground_object, ground_center, ground_fade_distance, warnings);
+          bounds_max, motion, ground_object, ground_center, ground_fade_distance, warnings);
 }
 template <class Archive>
 void list_fields(Archive& archive, Panorama& panorama) {
