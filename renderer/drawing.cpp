@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "reference/reference.h"
+#include "renderer/devices.h"
 #include "renderer/marked_samples.h"
 
 namespace umbrage {

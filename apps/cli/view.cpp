@@ -19,6 +19,7 @@ namespace {
 
 struct ViewCommand : CommonOptions {
   std::string host = "127.0.0.1";
+  std::vector<std::string> host_names;
   int port = 0;
   bool stays_closed = false;  ///< no browser is started
   bool once = false, watch = false;
@@ -79,6 +80,7 @@ Result<void> run_view(const ViewCommand& o) {
                           .command = command_line,
                           .host = o.host,
                           .port = o.port,
+                          .host_names = o.host_names,
                           .watch = o.watch};
   for (const std::string& file : o.models) settings.models.push_back({file, has_image_extension(file)});
   const bool has_gbuffer = std::any_of(settings.models.begin(), settings.models.end(),
@@ -123,6 +125,15 @@ void add_view(CLI::App& app, std::function<Result<void>()>& run) {
       ->add_option("--host", options->host,
                    "address to serve the page on [127.0.0.1, which only this computer reaches]")
       ->type_name("ADDRESS")
+      ->group(page);
+  command
+      ->add_option(
+          "--host-name", options->host_names,
+          "another name for which the page is served, or NAME:PORT as for a tunnel; may be given several times")
+      ->type_name("NAME")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false)
       ->group(page);
   command->add_flag("--no-open", options->stays_closed, "only print the address, start no browser")->group(page);
   command->add_flag("--once", options->once, "end when the last page is closed")->group(page);

@@ -1,31 +1,119 @@
-// Addresses and sockets of the server, as far as civetweb does not handle them.
+// Sockets of the server: where it listens, the gate where clients come in, and connections whose reads and writes end.
 #pragma once
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <list>
 #include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
 
 #include "core/result.h"
 
-struct mg_connection;
-
 namespace umbrage::view {
 
-/// An address of this machine to listen at: IPv4, since Debian's civetweb is built without IPv6.
+using TimePoint = std::chrono::steady_clock::time_point;
+
+/// A file descriptor, which the destructor closes; -1: none.
+class Descriptor {
+ public:
+  explicit Descriptor(int file = -1) : file_(file) {}
+  Descriptor(Descriptor&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(file_, other.file_);
+    return *this;
+  }
+  ~Descriptor();
+  int file() const { return file_; }
+
+ private:
+  int file_;
+};
+
+/// A socket that listens at an IPv4 address of this machine, without blocking.
 struct Listening {
+  Descriptor socket;
   std::string address;  ///< numeric: "127.0.0.1"
+  int port = 0;
   bool loopback = true, any = false;
 };
 
-/// Returns the numeric address of a host, after a test that a server can listen there. Errors: kUsage, naming --host or
-/// --port.
-Result<Listening> check_listening(const std::string& host, int port);
+/// Listens at a host, at any free port for 0. Errors: kUsage, naming --host or --port.
+Result<Listening> listen_at(const std::string& host, int port);
 
-/// Returns the socket of a connection of the server, -1 if it is not found. civetweb keeps it to itself, but only the
-/// socket can wake a thread that waits for a page, or tell that a client has left.
-int socket_of(const mg_connection* connection);
+/// Returns the numeric address of this machine to which a client is connected.
+std::string own_address(int socket);
 
-/// Returns whether the other side of a socket has closed it.
-bool is_closed_by_peer(int socket);
+/// Hears clients, all in one thread, until the head of their request has arrived. A client whose head has not arrived
+/// after a second is closed; if there are too many, the oldest is.
+class Gate {
+ public:
+  static constexpr std::size_t kMaxClients = 256;
+  /// Takes the socket of a client whose head has arrived, and returns nothing; or leaves the socket and returns an
+  /// answer. `head`: empty if it is too long. `body`: the bytes after it that have arrived.
+  using Admit = std::function<std::string(Descriptor& socket, std::string_view head, std::string_view body)>;
 
-/// Connects to an address and closes at once: wakes a thread that waits for connections.
-void knock(const std::string& address, int port);
+  Gate(Descriptor listening, Admit admit);
+  ~Gate();
+
+ private:
+  struct Client {
+    Descriptor socket;
+    TimePoint until;
+    std::string received = {};
+    bool is_answered = false;
+  };
+  void run();
+  void let_in();
+  bool hear(Client& client);
+
+  const Descriptor listening_;
+  const Admit admit_;
+  std::list<Client> clients_;  ///< the oldest first
+  Descriptor wake_;            ///< readable at the end
+  std::thread thread_;         // last, so that it starts when all else exists
+};
+
+/// The least speed of a request or an answer: some bytes within every `stall`, and a rate after the first `stall`.
+class Pace {
+ public:
+  explicit Pace(std::chrono::milliseconds stall) : stall_(stall), start_(std::chrono::steady_clock::now()) {}
+  void moved(std::size_t bytes) { bytes_ += std::int64_t(bytes); }
+  /// Returns when the next byte must have moved.
+  TimePoint deadline() const;
+
+ private:
+  const std::chrono::milliseconds stall_;
+  const TimePoint start_;
+  std::int64_t bytes_ = 0;
+};
+
+/// A client. One thread may read while another writes.
+class Connection {
+ public:
+  /// `received`: what has already been read.
+  Connection(Descriptor socket, std::string received, std::chrono::milliseconds stall)
+      : socket_(std::move(socket)), received_(std::move(received)), stall_(stall) {}
+
+  /// Returns the number of bytes that were read; 0 at the end or after an error, -1 if none came until `deadline`.
+  long read(char* buffer, std::size_t size, TimePoint deadline);
+  /// Returns false if the connection is lost or slower than its pace.
+  bool write(std::string_view bytes);
+  /// Ends what is sent, and with `all` also what is received. Wakes threads that wait for it. Any thread may call it.
+  void shut(bool all);
+  /// Ends what is sent and discards what comes, up to `max` bytes, until the client closes. A connection that is closed
+  /// with unread bytes loses what was sent last.
+  void drain(std::int64_t max);
+  bool is_closed_by_peer() const;
+  std::chrono::milliseconds stall() const { return stall_; }
+
+ private:
+  bool wait(short events, TimePoint deadline) const;
+
+  const Descriptor socket_;
+  std::string received_;
+  const std::chrono::milliseconds stall_;
+};
 
 }  // namespace umbrage::view

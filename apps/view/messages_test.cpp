@@ -5,6 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "apps/view/http.h"
+#include "apps/view/test_client.h"
+
 namespace umbrage::view {
 namespace {
 
@@ -190,6 +193,104 @@ TEST(ViewMessages, TextsAndFramesAreMade) {
   EXPECT_EQ(view_of_frame(frame), 1);
   EXPECT_EQ(view_of_frame("ab"), 0);
   EXPECT_EQ(view_of_frame(frame_bytes({{"frame", 5}}, "")), 0);
+}
+
+TEST(ViewFrames, WrongOnesEndWithTheCodeOfTheStandard) {
+  const auto frame = [](int start, std::string_view data) { return TestClient::frame(start, data); };
+  const auto text = [&](std::string_view data) { return frame(0x81, data); };
+  const auto close = [&](int code, std::string_view why = "") {
+    return frame(0x88, std::string{char(code >> 8), char(code)}.append(why));
+  };
+  const std::string half(kMaxMessageBytes / 2, 'x');
+  const struct {
+    const char* name;
+    std::string bytes;
+    int code;
+  } cases[] = {{"unmasked", TestClient::frame(0x81, "x", 0), 1002},
+               {"reserved bit", frame(0xc1, "x"), 1002},
+               {"reserved bit of a ping", frame(0x99, "x"), 1002},
+               {"opcode 3", frame(0x83, "x"), 1002},
+               {"opcode 11", frame(0x8b, "x"), 1002},
+               {"continuation of nothing", frame(0x80, "x"), 1002},
+               {"text within a text", frame(0x01, "x") + text("y"), 1002},
+               {"ping in fragments", frame(0x09, "x"), 1002},
+               {"ping of 126 bytes", frame(0x89, std::string(126, 'x')), 1002},
+               {"long size of a short frame", "\x81\xfe" + std::string("\0\1mask", 6) + "x", 1002},
+               {"close of one byte", frame(0x88, "x"), 1002},
+               {"close 999", close(999), 1002},
+               {"close 1005", close(1005), 1002},
+               {"close 1015", close(1015), 1002},
+               {"close 2999", close(2999), 1002},
+               {"close 5000", close(5000), 1002},
+               {"binary", frame(0x82, "x"), 1003},
+               {"byte 255", text("\xff"), 1007},
+               {"overlong", text("\xc0\x80"), 1007},
+               {"surrogate", text("\xed\xa0\x80"), 1007},
+               {"incomplete character", frame(0x01, "\xc3") + frame(0x80, ""), 1007},
+               {"close for a reason that is not UTF-8", close(1000, "\xff"), 1007},
+               {"too large", text(half + half + "x"), 1009},
+               {"2 GiB, of which none has come", "\x81\xff" + std::string("\0\0\0\0\x80\0\0\0", 8), 1009},
+               {"too large in fragments", frame(0x01, half) + frame(0x00, half) + frame(0x80, "x"), 1009}};
+  for (const auto& each : cases)
+    for (const std::size_t chunk : {std::size_t(1), each.bytes.size()}) {
+      FrameReader reader;
+      for (std::size_t at = 0; at < each.bytes.size() && reader.error() == CloseCode::kNone; at += chunk) {
+        reader.add(std::string_view(each.bytes).substr(at, chunk));
+        EXPECT_FALSE(reader.next()) << each.name;
+      }
+      EXPECT_EQ(int(reader.error()), each.code) << each.name;
+      EXPECT_FALSE(reader.sentence().empty()) << each.name;
+    }
+}
+
+TEST(ViewFrames, MessagesComeInPieces) {
+  FrameReader reader;
+  const std::string bytes = TestClient::frame(0x01, "\xc3") + TestClient::frame(0x89, std::string(125, 'p')) +
+                            TestClient::frame(0x80, "\xa4") +
+                            TestClient::frame(0x88,
+                                              "\x03\xe8"
+                                              "done");
+  std::vector<std::pair<Opcode, std::string>> messages;
+  for (const char byte : bytes + TestClient::frame(0x81, "too late")) {
+    reader.add({&byte, 1});
+    while (auto message = reader.next()) messages.emplace_back(message->opcode, message->data);
+  }
+  ASSERT_EQ(messages.size(), 3u);
+  EXPECT_EQ(messages[0], std::pair(Opcode::kPing, std::string(125, 'p')));
+  EXPECT_EQ(messages[1], std::pair(Opcode::kText, std::string("\xc3\xa4")));
+  EXPECT_EQ(messages[2], std::pair(Opcode::kClose, std::string("\x03\xe8"
+                                                               "done")));
+  EXPECT_EQ(reader.error(), CloseCode::kNone);
+  // The example of RFC 6455.
+  EXPECT_NE(
+      web_socket_head("dGhlIHNhbXBsZSBub25jZQ==").find("\r\nSec-WebSocket-Accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo=\r\n"),
+      std::string::npos);
+}
+
+TEST(ViewHeads, AreParsedStrictly) {
+  const auto request = parse_head(
+      "POST /a/files?drop=b&name=c%20d+%zz HTTP/1.1\r\nHost: x\r\nA:\r\nCookie:  a b \r\ncookie:c\r\nContent-Length: "
+      "12\r\n\r\n");
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->method + " " + request->path, "POST /a/files");
+  EXPECT_EQ(request->parameter("name"), "c d %zz");
+  EXPECT_EQ(request->parameter("other"), "");
+  EXPECT_EQ(request->header("cookie"), "a b, c");
+  EXPECT_EQ(request->header("a"), "");
+  EXPECT_EQ(request->content_length(), 12);
+  for (const char* head :
+       {"", "\r\n\r\n", "GET\r\n\r\n", "GET /\r\n\r\n", "GET / HTTP/2\r\n\r\n", "GET  / HTTP/1.1\r\n\r\n",
+        "GET / HTTP/1.1 \r\n\r\n", "G\x01T / HTTP/1.1\r\n\r\n", "GET http://a/ HTTP/1.1\r\n\r\n", "GET / HTTP/1.1\r\n",
+        "GET / HTTP/1.1\n\n", "GET / HTTP/1.1\r\nA: b\r\n", "GET / HTTP/1.1\r\nA\r\n\r\n",
+        "GET / HTTP/1.1\r\nA : b\r\n\r\n", "GET / HTTP/1.1\r\n: b\r\n\r\n", "GET / HTTP/1.1\r\nA: b\r\n c\r\n\r\n",
+        "GET / HTTP/1.1\r\nA: b\nC: d\r\n\r\n", "GET / HTTP/1.1\r\n\r\n\r\n"})
+    EXPECT_FALSE(parse_head(head)) << head;
+  for (const char* length : {"", "-1", "+1", "1, 1", "0x1", "99999999999999999999", "1\r\nContent-Length: 1",
+                             "1\r\nTransfer-Encoding: chunked"}) {
+    const auto other = parse_head(std::string("GET / HTTP/1.1\r\nContent-Length: ") + length + "\r\n\r\n");
+    ASSERT_TRUE(other) << length;
+    EXPECT_EQ(other->content_length(), -1) << length;
+  }
 }
 
 }  // namespace

@@ -33,19 +33,19 @@ void Outbox::add_text(std::string text) {
   changed_.notify_all();
 }
 
-void Outbox::add_frame(int view, std::string bytes) {
+void Outbox::replace(Kind kind, int view, std::string bytes) {
   const std::lock_guard lock(mutex_);
   if (finishing_ || ended_) return;
-  std::erase_if(items_, [view](const Item& item) { return item.kind == Kind::kFrame && item.view == view; });
-  items_.push_back({Kind::kFrame, view, std::move(bytes)});
+  std::erase_if(items_, [&](const Item& item) { return item.kind == kind && item.view == view; });
+  items_.push_back({kind, view, std::move(bytes)});
   changed_.notify_all();
 }
 
-void Outbox::finish() {
+void Outbox::finish(std::string bytes) {
   const std::lock_guard lock(mutex_);
   if (std::exchange(finishing_, true) || ended_) return;
   std::erase_if(items_, [](const Item& item) { return item.kind == Kind::kFrame; });
-  items_.push_back({Kind::kClose, 0, {}});
+  items_.push_back({Kind::kClose, 0, std::move(bytes)});
   changed_.notify_all();
 }
 

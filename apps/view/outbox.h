@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 
 namespace umbrage::view {
 
@@ -16,7 +17,7 @@ inline constexpr std::size_t kMaxWaitingTextBytes = std::size_t(8) << 20;
 
 class Outbox {
  public:
-  enum class Kind { kText, kFrame, kClose };
+  enum class Kind { kText, kFrame, kPing, kPong, kClose };
   /// The way to the page; called by the outbox's own thread. `write` may block; it returns false if the page is lost.
   /// `end` ends the connection, once: `finished` after all was sent, otherwise because the page is lost or too slow. If
   /// it is too slow, another thread calls `end` while `write` blocks, which must then return.
@@ -35,9 +36,11 @@ class Outbox {
   /// Texts are sent in order and not dropped.
   void add_text(std::string text);
   /// A frame replaces an unsent one of the same view; it comes after all that waits.
-  void add_frame(int view, std::string bytes);
-  /// Drops waiting frames, sends the waiting texts and a close message, and ends the connection.
-  void finish();
+  void add_frame(int view, std::string bytes) { replace(Kind::kFrame, view, std::move(bytes)); }
+  /// A ping or a pong replaces an unsent one.
+  void add_control(Kind kind, std::string bytes) { replace(kind, 0, std::move(bytes)); }
+  /// Drops waiting frames, sends the waiting texts and a close message of these bytes, and ends the connection.
+  void finish(std::string bytes = {});
 
   /// Waits until the connection has ended. Returns false after `limit`.
   bool wait_until_ended(std::chrono::milliseconds limit);
@@ -49,6 +52,7 @@ class Outbox {
     std::string bytes;
   };
   void send();
+  void replace(Kind kind, int view, std::string bytes);
   void end(std::unique_lock<std::mutex>& lock, bool finished);
 
   Wire wire_;

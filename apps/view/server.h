@@ -1,21 +1,28 @@
-// The HTTP and WebSocket server of `umbrage view`, on civetweb. Everything is below /TOKEN/, a random word:
+// The HTTP and WebSocket server of `umbrage view`. Everything is below /TOKEN/, a random word:
 //   GET /TOKEN/                           the page
 //   POST /TOKEN/files?drop=ID&name=NAME   one file of a drop (uploads.h)
 //   POST /TOKEN/save                      answers a picture file (messages.h)
 //   WebSocket /TOKEN/socket               messages of a page (messages.h)
-// Requests with an `Origin` other than this server are refused, except those for the page itself.
+// One thread hears clients until they have sent a request with the token, within a second; then a thread of the
+// request's kind serves it. Each answer closes its connection. `Host` must be a name of this server, against DNS
+// rebinding. Sockets and uploads need one `Origin`, this server; the page is refused to any other one.
 #pragma once
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "apps/view/messages.h"
 #include "apps/view/uploads.h"
 #include "core/result.h"
 
 namespace umbrage::view {
+
+/// The max number of pages; the max bytes that all clients together have sent and that are not processed.
+inline constexpr int kMaxPages = 16;
+inline constexpr std::size_t kMaxReceivedBytes = std::size_t(12) << 20;
 
 /// The number of a page that is connected; never used again.
 using PageId = int;
@@ -39,8 +46,12 @@ struct ServerSettings {
   int port = 0;                    ///< 0: a free one
   std::string_view page = {};      ///< HTML; must outlive the server
   UploadLimits uploads = {};
-  int max_pages = 16;
-  int stall_ms = 30000;  ///< a connection that moves no byte for so long while one is due is closed
+  int max_pages = kMaxPages;
+  /// A connection that moves no byte for so long while one is due is closed, and one that moves less than 16 KiB/s
+  /// after the first of these times.
+  int stall_ms = 30000;
+  /// NAME or NAME:PORT under which it may be reached besides the loopback names and `host`.
+  std::vector<std::string> host_names = {};
 };
 
 /// Called on threads of the server. `opened`, `closed` and `received` must not block for long; for one page they are
@@ -53,13 +64,13 @@ struct ServerHandlers {
 
 class Server {
  public:
-  /// Errors: kUsage, about --host and --port; kFile for the temporary folder.
+  /// Errors: kUsage, about --host, --port and --host-name; kFile for the temporary folder.
   static Result<std::unique_ptr<Server>> start(const ServerSettings& settings, ServerHandlers handlers);
   /// Calls stop(), and removes the uploads.
   ~Server();
 
-  /// Closes all pages and calls `closed` for each; no handler is called afterwards. Takes up to 2 s if a client has an
-  /// idle connection. The other functions still may be called.
+  /// Closes all pages and calls `closed` for each; no handler is called afterwards. Takes half a second for
+  /// clients that do not close their side. The other functions still may be called.
   void stop();
 
   /// Returns the address of the page: http://127.0.0.1:8080/TOKEN/

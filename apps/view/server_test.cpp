@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "apps/view/http.h"
@@ -73,7 +74,9 @@ class ViewServer : public testing::Test {
   std::string ask(const std::string& method, const std::string& path, const std::string& headers = "",
                   const std::string& body = "") {
     TestClient client(port_);
-    std::string request = method + " " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\n" + headers;
+    const bool has_origin = headers.find("Origin: ") != std::string::npos;
+    std::string request = method + " " + path + " HTTP/1.1\r\n" + headers;
+    if (!has_origin) request += client.origin();
     if (method == "POST") request += "Content-Length: " + std::to_string(body.size()) + "\r\n";
     client.send(request + "\r\n" + body);
     return client.rest();
@@ -134,25 +137,44 @@ TEST_F(ViewServer, ServesThePageBelowTheTokenAlone) {
   EXPECT_EQ(status(ask("DELETE", path_ + "/")), 405);
   EXPECT_EQ(status(ask("POST", path_ + "/", "", "x")), 405);
   EXPECT_EQ(status(ask("GET", path_ + "/files")), 405);
-  EXPECT_EQ(status(ask("OPTIONS", path_ + "/save", "Origin: http://a\r\nAccess-Control-Request-Method: POST\r\n")),
-            405);
+  EXPECT_EQ(status(ask("OPTIONS", path_ + "/save", "Access-Control-Request-Method: POST\r\n")), 405);
   EXPECT_EQ(status(ask("GET", path_ + "/socket")), 426);
   TestClient client(port_);
   EXPECT_EQ(status(client.open_web_socket(wrong + "/socket")), 404);
 }
 
-TEST_F(ViewServer, RefusesPagesOfOtherServers) {
-  start();
-  const std::string here = "127.0.0.1:" + std::to_string(port_);
-  for (const char* origin : {"http://example.org", "null", "http://127.0.0.1:1", "http://127.0.0.1.example.org", ""}) {
-    const std::string header = std::string("Origin: ") + origin + "\r\n";
-    EXPECT_EQ(status(TestClient(port_).open_web_socket(path_ + "/socket", header)), 403) << origin;
-    EXPECT_EQ(status(ask("POST", path_ + "/files?drop=a&name=b", header, "x")), 403) << origin;
-    EXPECT_EQ(status(ask("POST", path_ + "/save", header, "{}")), 403) << origin;
-  }
+TEST_F(ViewServer, RefusesOtherHostsAndOrigins) {
+  start({.host_names = {"Viewer.example", "tunnel.example:9000"}});
+  const std::string port = ":" + std::to_string(port_), here = "127.0.0.1" + port;
+  const auto statuses = [&](const std::string& headers) {
+    return std::vector<int>{status(TestClient(port_).open_web_socket(path_ + "/socket", headers)),
+                            status(ask("POST", path_ + "/files?drop=a&name=b", headers, "x")),
+                            status(ask("POST", path_ + "/save", headers, "{}")),
+                            status(ask("GET", path_ + "/", headers))};
+  };
+  const std::vector<int> refused(4, 403);
+  for (const std::string& origin :
+       {std::string("http://example.org"), std::string("null"), std::string("http://127.0.0.1"),
+        "http://127.0.0.1.example.org" + port, "https://" + here, "ws://" + here, "file://" + here, here, std::string(),
+        "http://" + here + "/", "http://" + here + "\r\nOrigin: http://" + here, "http://localhost" + port})
+    EXPECT_EQ(statuses("Host: " + here + "\r\nOrigin: " + origin + "\r\n"), refused) << origin;
+  for (const std::string& host : {std::string("example.org"), "example.org" + port, std::string("127.0.0.1"),
+                                  std::string("127.0.0.1:1"), "tunnel.example" + port, "127.0.0.1.example.org" + port,
+                                  std::string(), here + "\r\nHost: " + here, "x@" + here})
+    EXPECT_EQ(statuses("Host: " + host + "\r\nOrigin: http://" + host + "\r\n"), refused) << host;
+  EXPECT_EQ(statuses("Origin: http://" + here + "\r\n"), refused);
   EXPECT_TRUE(fs::is_empty(server_->uploads()));
-  EXPECT_EQ(status(TestClient(port_).open_web_socket(path_ + "/socket", "Origin: http://127.0.0.1\r\n")), 101);
-  EXPECT_EQ(status(ask("POST", path_ + "/files?drop=a&name=b", "Origin: HTTP://127.0.0.1\r\n", "x")), 200);
+  TestClient client(port_);
+  client.send("POST " + path_ + "/save HTTP/1.1\r\nHost: " + here + "\r\nContent-Length: 2\r\n\r\n{}");
+  EXPECT_EQ(status(client.rest()), 403);  // no Origin
+  int number = 0;
+  for (const std::string& host : {here, "localhost" + port, "LocalHost" + port, "[::1]" + port, "viewer.example" + port,
+                                  std::string("tunnel.example:9000")}) {
+    const std::string headers = "Host: " + host + "\r\nOrigin: HTTP://" + host + "\r\n";
+    EXPECT_EQ(status(TestClient(port_).open_web_socket(path_ + "/socket", headers)), 101) << host;
+    EXPECT_EQ(status(ask("POST", path_ + "/files?drop=a&name=" + std::to_string(++number), headers, "x")), 200) << host;
+    EXPECT_EQ(status(ask("GET", path_ + "/", headers)), 200) << host;
+  }
 }
 
 TEST_F(ViewServer, MessagesGoBothWays) {
@@ -187,30 +209,75 @@ TEST_F(ViewServer, MessagesGoBothWays) {
   server_->send_text(id, "gone");
 }
 
-TEST_F(ViewServer, WrongMessagesAreAnswered) {
+TEST_F(ViewServer, WrongFramesCloseTheirPage) {
   start();
-  PageId id = 0;
-  TestClient client = page(id);
-  const auto expect_error = [&](const std::string& text) {
+  PageId other_id = 0;
+  TestClient other = page(other_id);
+  const std::pair<std::string, int> cases[] = {
+      {TestClient::frame(0x81, "x", 0), 1002},
+      {TestClient::frame(0x82, "x"), 1003},
+      {TestClient::frame(0x81, "\xff"), 1007},
+      {"\x81\xff" + std::string("\0\0\0\0\x80\0\0\0", 8), 1009},  // 2 GiB, of which none has come
+      {TestClient::frame(0x88, "\x0f\xa0"), 4000}};
+  for (const auto& [bytes, code] : cases) {
+    PageId id = 0;
+    TestClient client = page(id);
+    client.send(bytes);
     const auto answer = client.message();
-    EXPECT_EQ(answer.opcode, TestClient::kText);
-    const auto json = nlohmann::json::parse(answer.data, nullptr, false);
-    ASSERT_TRUE(json.is_object() && json["type"] == "error") << answer.data;
-    EXPECT_NE(json["message"].get<std::string>().find(text), std::string::npos) << answer.data;
-  };
-  client.send_message(TestClient::kBinary, "x");
-  expect_error("not binary");
-  client.send_message(TestClient::kText, std::string(kMaxMessageBytes + 1, 'x'));
-  expect_error("more than 65536 bytes");
-  for (int piece = 0; piece < 5; ++piece)
-    client.send_message(piece == 0 ? TestClient::kText : TestClient::kContinuation, std::string(20000, 'x'),
-                        piece == 4);
-  expect_error("more than 65536 bytes");
-  client.send_message(TestClient::kText, std::string(kMaxMessageBytes, 'x'));
+    EXPECT_EQ(answer.opcode, TestClient::kClose) << code;
+    EXPECT_TRUE(answer.data.starts_with(std::string{char(code >> 8), char(code)})) << code;
+    EXPECT_EQ(next().page, id) << code;
+    EXPECT_EQ(client.rest(), "") << code;
+  }
+  other.send_message(TestClient::kText, std::string(kMaxMessageBytes, 'x'));
   EXPECT_EQ(next().text.size(), kMaxMessageBytes);
-  client.send_message(3, "an opcode that does not exist");
-  EXPECT_EQ(client.message().opcode, TestClient::kClose);
-  EXPECT_EQ(next().kind, Event::kClosed);
+}
+
+TEST_F(ViewServer, ClientsWithoutTheTokenDelayNoPage) {
+  start();
+  std::vector<TestClient> clients;
+  const auto expect_quick = [&](const char* what) {
+    auto best = std::chrono::steady_clock::duration::max();
+    for (int i = 0; i < 3; ++i) {  // other programs may delay one
+      const auto start = std::chrono::steady_clock::now();
+      EXPECT_EQ(status(ask("GET", path_ + "/")), 200) << what;
+      best = std::min(best, std::chrono::steady_clock::now() - start);
+    }
+    EXPECT_LT(best, 200ms) << what;
+  };
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(TestClient(port_).rest(), "");  // a silent one is closed
+  const auto waited = std::chrono::steady_clock::now() - start;
+  EXPECT_TRUE(waited > 900ms && waited < 3s) << waited / 1ms;
+  const std::string origin = TestClient(port_).origin(), length = "Content-Length: 999999\r\n",
+                    upload = path_ + "/files?drop=a&name=b HTTP/1.1\r\n" + length;
+  const std::tuple<const char*, int, std::string> crowds[] = {
+      {"60 silent ones", 60, ""},
+      {"258 silent ones", 198, ""},
+      {"incomplete ones", 400, "GET /"},
+      {"uploads without the token", 36, "POST /0/files HTTP/1.1\r\n" + length + origin + "\r\nx"},
+      {"uploads for another host", 36, "POST " + upload + "Host: example.org\r\n\r\nx"},
+      {"uploads with the token", 36, "POST " + upload + origin + "\r\nx"},
+      {"wrong tokens", 100, "GET /0/ HTTP/1.1\r\nConnection: keep-alive\r\n" + origin + "\r\n"}};
+  for (const auto& [name, count, bytes] : crowds) {
+    for (int i = 0; i < count; ++i) clients.emplace_back(port_).send(bytes);
+    expect_quick(name);
+  }
+  EXPECT_EQ(status(clients.back().rest()), 404);  // and it is closed
+  PageId id = 0;
+  const TestClient connected = page(id);
+  EXPECT_EQ(status(ask("POST", path_ + "/save", "", "{}")), 400);
+  // One byte at a time: none reaches the end of its head within a second.
+  clients.clear();
+  for (int i = 0; i < 60; ++i) clients.emplace_back(port_);
+  const std::string head = "GET " + path_ + "/ HTTP/1.1\r\n" + origin + "X: ";
+  const auto dripping = std::chrono::steady_clock::now();
+  for (std::size_t i = 0; std::chrono::steady_clock::now() - dripping < 1500ms; ++i) {
+    for (TestClient& client : clients) client.send(std::string_view(head).substr(std::min(i, head.size() - 1), 1));
+    if (i % 8 == 0) expect_quick("60 that send a byte at a time");
+    std::this_thread::sleep_for(20ms);
+  }
+  EXPECT_EQ(clients[0].rest(), "");
 }
 
 TEST_F(ViewServer, OnePageTooManyIsRefused) {
@@ -334,8 +401,8 @@ TEST_F(ViewServer, AnIncompleteUploadIsRemoved) {
   start({.uploads = {.drop = 1000}});
   for (int i = 0; i < 3; ++i) {
     TestClient client(port_);
-    client.send("POST " + path_ + "/files?drop=a&name=b" + std::to_string(i) +
-                " HTTP/1.1\r\nHost: x\r\nContent-Length: 300\r\n\r\nstart");
+    client.send("POST " + path_ + "/files?drop=a&name=b" + std::to_string(i) + " HTTP/1.1\r\n" + client.origin() +
+                "Content-Length: 300\r\n\r\nstart");
     for (int wait = 0; wait < 500 && !fs::exists(server_->uploads() / "a" / ("b" + std::to_string(i))); ++wait)
       std::this_thread::sleep_for(10ms);
     EXPECT_FALSE(server_->upload("a/b" + std::to_string(i)));
@@ -349,6 +416,20 @@ TEST_F(ViewServer, AnIncompleteUploadIsRemoved) {
   }
   EXPECT_EQ(last, 200);
   EXPECT_EQ(std::distance(fs::directory_iterator(server_->uploads() / "a"), fs::directory_iterator()), 1);
+}
+
+TEST_F(ViewServer, ASlowUploadEnds) {
+  start({.stall_ms = 500});
+  TestClient client(port_);
+  client.send("POST " + path_ + "/files?drop=a&name=b HTTP/1.1\r\n" + client.origin() +
+              "Content-Length: 30000\r\n\r\n");
+  const auto started = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - started < 1500ms && client.send("x")) std::this_thread::sleep_for(20ms);
+  EXPECT_EQ(status(client.rest()), 500);
+  EXPECT_FALSE(fs::exists(server_->uploads() / "a" / "b"));
+  // Its place is free again.
+  for (int i = 0; i < 20; ++i)
+    EXPECT_EQ(status(ask("POST", path_ + "/files?drop=a&name=" + std::to_string(i), "", "x")), 200);
 }
 
 TEST_F(ViewServer, SavesAreAnsweredAndCancelled) {
@@ -378,8 +459,8 @@ TEST_F(ViewServer, SavesAreAnsweredAndCancelled) {
   TestClient client(port_);
   std::string slow = request;
   slow.replace(slow.find("png"), 3, "exr");
-  client.send("POST " + path_ + "/save HTTP/1.1\r\nHost: x\r\nContent-Length: " + std::to_string(slow.size()) +
-              "\r\n\r\n" + slow);
+  client.send("POST " + path_ + "/save HTTP/1.1\r\n" + client.origin() +
+              "Content-Length: " + std::to_string(slow.size()) + "\r\n\r\n" + slow);
   for (int i = 0; i < 500 && !waiting; ++i) std::this_thread::sleep_for(10ms);
   client.close();
   for (int i = 0; i < 500 && !cancelled; ++i) std::this_thread::sleep_for(10ms);
@@ -404,6 +485,12 @@ TEST(ViewServerStart, ErrorsNameTheOption) {
     const auto failed = start(host, 0);
     ASSERT_FALSE(failed) << host;
     EXPECT_NE(failed.error().message.find("--host"), std::string::npos) << failed.error().message;
+  }
+  for (const char* name :
+       {"", "http://viewer", "viewer/", "viewer:", "viewer:0", "viewer:65536", "a b", "[x]", "::1"}) {
+    const auto failed = Server::start({.host_names = {name}}, {});
+    ASSERT_FALSE(failed) << name;
+    EXPECT_NE(failed.error().message.find("--host-name"), std::string::npos) << failed.error().message;
   }
   const auto open = start("0.0.0.0", 0);
   ASSERT_TRUE(open) << open.error().message;

@@ -18,7 +18,8 @@ namespace umbrage::view {
 class TestClient {
  public:
   /// `receive_buffer`: bytes, 0: that of the system.
-  explicit TestClient(int port, int receive_buffer = 0) : file_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  explicit TestClient(int port, int receive_buffer = 0)
+      : host_("127.0.0.1:" + std::to_string(port)), file_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     const timeval limit{.tv_sec = 10, .tv_usec = 0};
     ::setsockopt(file_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
     ::setsockopt(file_, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
@@ -29,7 +30,8 @@ class TestClient {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     EXPECT_EQ(::connect(file_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
   }
-  TestClient(TestClient&& other) noexcept : file_(std::exchange(other.file_, -1)), buffer_(std::move(other.buffer_)) {}
+  TestClient(TestClient&& other) noexcept
+      : host_(std::move(other.host_)), file_(std::exchange(other.file_, -1)), buffer_(std::move(other.buffer_)) {}
   ~TestClient() { close(); }
 
   void close() {
@@ -59,26 +61,38 @@ class TestClient {
     return take(at + end.size());
   }
 
-  /// Asks for a WebSocket. Returns the head of the answer.
-  std::string open_web_socket(const std::string& path, const std::string& headers = "") {
-    send("GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n" +
-         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n" + headers + "\r\n");
+  /// The headers that a browser sends from a page of this server.
+  std::string origin() const { return "Host: " + host_ + "\r\nOrigin: http://" + host_ + "\r\n"; }
+
+  /// Asks for a WebSocket. `origin`: Host and Origin. Returns the head of the answer.
+  std::string open_web_socket(const std::string& path, const std::string& origin) {
+    send("GET " + path + " HTTP/1.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n" +
+         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n" + origin + "\r\n");
     return until("\r\n\r\n");
   }
+  std::string open_web_socket(const std::string& path) { return open_web_socket(path, origin()); }
 
   static constexpr int kContinuation = 0, kText = 1, kBinary = 2, kClose = 8, kPing = 9, kLost = -1;
 
-  bool send_message(int opcode, std::string_view data, bool is_final = true) {
-    constexpr int kShort = 126, kLong = 127, kMasked = 0x80;
+  static constexpr int kFinal = 0x80, kMasked = 0x80;
+
+  /// Returns a frame. `start`: opcode, kFinal and reserved bits.
+  static std::string frame(int start, std::string_view data, int masked = kMasked) {
+    constexpr int kShort = 126, kLong = 127;
     constexpr std::string_view kMask = "mask";
-    std::string bytes = {char(opcode | (is_final ? 0x80 : 0))};
+    std::string bytes = {char(start)};
     const bool is_long = data.size() > 0xffff;
-    bytes += char(kMasked | (data.size() < kShort ? int(data.size()) : is_long ? kLong : kShort));
+    bytes += char(masked | (data.size() < kShort ? int(data.size()) : is_long ? kLong : kShort));
     if (data.size() >= kShort)
       for (int shift = is_long ? 56 : 8; shift >= 0; shift -= 8) bytes += char(data.size() >> shift);
+    if (!masked) return bytes.append(data);
     bytes += kMask;
     for (std::size_t i = 0; i < data.size(); ++i) bytes += char(data[i] ^ kMask[i % 4]);
-    return send(bytes);
+    return bytes;
+  }
+
+  bool send_message(int opcode, std::string_view data, bool is_final = true) {
+    return send(frame(opcode | (is_final ? kFinal : 0), data));
   }
 
   struct Received {
@@ -120,6 +134,7 @@ class TestClient {
     return size > 0;
   }
 
+  std::string host_;  ///< with its port
   int file_;
   std::string buffer_;
 };

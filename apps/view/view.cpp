@@ -205,7 +205,7 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Settings settings) {
   all.tables["given"] = settings.given;
   all.tables["picks"] = true;
   auto server = Server::start(
-      {.host = settings.host, .port = settings.port, .page = page()},
+      {.host = settings.host, .port = settings.port, .page = page(), .host_names = settings.host_names},
       {.opened = [&](PageId page) { all.opened(page); },
        .closed = [&](PageId page) { all.closed(page); },
        .received = [&](PageId page, const std::string& text) { all.received(page, text); },

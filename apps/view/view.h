@@ -21,7 +21,8 @@ struct Settings {
   ViewOptions given;                    ///< options of the command line: the first state of a page
   std::string command;                  ///< the command line, as the page shows it
   std::string host = "127.0.0.1";
-  int port = 0;  ///< 0: a free one
+  int port = 0;                              ///< 0: a free one
+  std::vector<std::string> host_names = {};  ///< as in ServerSettings
   bool watch = false;
 };
 

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "apps/compare/baseline.h"
+#include "apps/view/http.h"
 #include "apps/view/messages.h"
 #include "core/check.h"
 #include "core/length.h"
@@ -276,6 +277,33 @@ void read_as_page_message(std::string_view bytes) {
   }
 }
 
+/// Reads what a client sends: the head of a request, or frames. Frames in chunks must give the same messages.
+void read_as_page_bytes(std::string_view bytes) {
+  if (const auto request = view::parse_head(bytes)) {
+    expect(request->path.starts_with('/'), "a path");
+    expect(request->content_length() >= -1, "a size");
+    for (const auto& [name, value] : request->headers) expect(!name.empty() && !view::has_control(value), "a header");
+    static_cast<void>(request->parameter("name"));
+    static_cast<void>(view::with_port(request->header("host"), 1));
+  }
+  static_cast<void>(view::is_host(bytes));
+  std::string whole;
+  for (const std::size_t chunk : {bytes.size(), std::size_t(7)}) {
+    view::FrameReader reader;
+    std::string messages;
+    for (std::size_t at = 0; at < bytes.size(); at += chunk) {
+      reader.add(bytes.substr(at, chunk));
+      while (const auto message = reader.next()) {
+        expect(message->data.size() <= view::kMaxMessageBytes, "the size of a message");
+        messages += fmt::format("{} {} {} ", int(message->opcode), message->data.size(), message->data);
+      }
+    }
+    messages += fmt::format("{} {}", int(reader.error()), reader.sentence());
+    expect(whole.empty() || whole == messages, "messages that depend on chunks");
+    whole = std::move(messages);
+  }
+}
+
 constexpr const char *kGltf = "gltf", *kGlb = "glb", *k3ds = "3ds", *kDae = "dae", *kPdb = "pdb", *kFbx = "fbx",
                      *k3mf = "3mf";
 
@@ -295,6 +323,7 @@ constexpr Reader kReaders[] = {
     {"transfer", read_as_transfer, transfer_seeds, false},
     {"baseline", read_as_baseline, baseline_seeds, false},
     {"page-message", read_as_page_message, page_message_seeds, false},
+    {"page-bytes", read_as_page_bytes, page_bytes_seeds, false},
     {"exr", read_as_image, exr_seeds, true},
     {"layers-exr", read_as_layers, exr_seeds, true},
     {"layers-tiff", read_as_layers, tiff_seeds, true},

@@ -48,5 +48,6 @@ Seeds scene_name_seeds();
 Seeds transfer_seeds();
 Seeds baseline_seeds();
 Seeds page_message_seeds();
+Seeds page_bytes_seeds();
 
 }  // namespace umbrage::fuzz

@@ -408,4 +408,12 @@ Seeds page_message_seeds() {
           R"({"options":{"camera-position":"1,2,3"},"model":0,"format":"png","width":640,"height":480})"};
 }
 
+Seeds page_bytes_seeds() {
+  return {
+      "POST /0/files?drop=a1&name=a%20b HTTP/1.1\r\nHost: 127.0.0.1:80\r\nOrigin: http://[::1]\r\nContent-Length: "
+      "2\r\n\r\n",
+      "\x01\x82mask\x01\x02\x89\x81mask\x03\x80\x80mask\x81\xfe" + std::string("\0\x7e", 2) + "mask" +
+          std::string(126, 'x') + "\x88\x82mask" + std::string("\x6e\x89", 2)};
+}
+
 }  // namespace umbrage::fuzz

@@ -35,6 +35,7 @@ function open_socket(on) {
   };
   socket.onclose = (event) => {
     const broken = has_opened ? "The connection to the program broke." : "The program does not answer.";
+    if (event.reason) refusal ||= `The program refuses: ${event.reason}.`;
     on.closed(refusal || (event.wasClean ? "The program has ended." : broken));
   };
   return socket;
