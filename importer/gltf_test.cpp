@@ -2,6 +2,7 @@
 #include "importer/gltf_accessor.h"
 #include "importer/gltf_test_support.h"
 #include "importer/readers.h"
+#include "scene/finish.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
