@@ -22,37 +22,6 @@ constexpr std::string_view kNameCharacters =  // of methods and headers
     "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789!#$%&'*+-.^_`|~";
 constexpr std::string_view kBase64 = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-const char* phrase_of(int status) {
-  switch (status) {
-    case 200:
-      return "OK";
-    case 308:
-      return "Permanent Redirect";
-    case 400:
-      return "Bad Request";
-    case 403:
-      return "Forbidden";
-    case 404:
-      return "Not Found";
-    case 405:
-      return "Method Not Allowed";
-    case 409:
-      return "Conflict";
-    case 411:
-      return "Length Required";
-    case 413:
-      return "Content Too Large";
-    case 426:
-      return "Upgrade Required";
-    case 431:
-      return "Request Header Fields Too Large";
-    case 503:
-      return "Service Unavailable";
-    default:
-      return "Internal Server Error";
-  }
-}
-
 /// Returns a file name with every character that a header cannot hold replaced.
 std::string header_name(std::string name) {
   for (char& c : name)
@@ -235,10 +204,10 @@ HttpAnswer error_answer(int status, std::string_view sentence) { return json_ans
 
 std::string answer_head(const HttpAnswer& answer, std::uint64_t size, std::string_view headers) {
   std::string head = fmt::format(
-      "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n"
+      "HTTP/1.1 {} \r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n"
       "X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n"
       "Connection: close\r\n{}",
-      answer.status, phrase_of(answer.status), answer.type, size, headers);
+      answer.status, answer.type, size, headers);
   if (!answer.attachment.empty())
     head += fmt::format("Content-Disposition: attachment; filename=\"{}\"\r\n", header_name(answer.attachment));
   return head + "\r\n";

@@ -196,6 +196,12 @@ long Connection::read(char* buffer, std::size_t size, TimePoint deadline) {
   }
 }
 
+long Connection::read(char* buffer, std::size_t size, Pace& pace) {
+  const long count = read(buffer, size, pace.deadline());
+  pace.moved(std::size_t(std::max(count, 0L)));
+  return count;
+}
+
 bool Connection::write(std::string_view bytes) {
   Pace pace(stall_);
   while (!bytes.empty()) {

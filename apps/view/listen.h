@@ -98,6 +98,8 @@ class Connection {
 
   /// Returns the number of bytes that were read; 0 at the end or after an error, -1 if none came until `deadline`.
   long read(char* buffer, std::size_t size, TimePoint deadline);
+  /// As above; -1 if the client is slower than its pace.
+  long read(char* buffer, std::size_t size, Pace& pace);
   /// Returns false if the connection is lost or slower than its pace.
   bool write(std::string_view bytes);
   /// Ends what is sent, and with `all` also what is received. Wakes threads that wait for it. Any thread may call it.

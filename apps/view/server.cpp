@@ -277,14 +277,10 @@ void Server::Impl::serve(Job& job) {
 
 HttpAnswer Server::Impl::answer_files(Connection& connection, const HttpRequest& request) {
   Pace pace(connection.stall());
-  const auto read = [&](char* buffer, std::size_t size) {
-    const long count = connection.read(buffer, size, pace.deadline());
-    pace.moved(std::size_t(std::max(count, 0L)));
-    return count;
-  };
   std::string file;
-  const auto refusal =
-      uploads_.add(request.parameter("drop"), request.parameter("name"), request.content_length(), read, file);
+  const auto refusal = uploads_.add(
+      request.parameter("drop"), request.parameter("name"), request.content_length(),
+      [&](char* buffer, std::size_t size) { return connection.read(buffer, size, pace); }, file);
   if (!refusal) return json_answer({{"file", file}});
   constexpr int kStatus[] = {400, 413, 409, 500};  // in the order of Failure
   return error_answer(kStatus[int(refusal->failure)], refusal->sentence);
@@ -297,9 +293,8 @@ HttpAnswer Server::Impl::answer_save(Connection& connection, const HttpRequest& 
   std::string text(std::size_t(size), '\0');
   Pace pace(connection.stall());
   for (std::size_t at = 0; at < text.size();) {
-    const long count = connection.read(text.data() + at, text.size() - at, pace.deadline());
+    const long count = connection.read(text.data() + at, text.size() - at, pace);
     if (count <= 0) return error_answer(400, "the message arrived incomplete");
-    pace.moved(std::size_t(count));
     at += std::size_t(count);
   }
   const auto save = parse_save(text);

