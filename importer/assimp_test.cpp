@@ -140,5 +140,25 @@ TEST(ImportedMaterials, ColorsOf3dsAreSrgb) {
   EXPECT_EQ(grey().color(AI_MATKEY_BASE_COLOR, {0.25f, 0.25f, 0.25f}).imported().albedo, glm::vec3(0.25f));
 }
 
+TEST_F(AssimpPose, MorphsHaveTheirWeights) {
+  const auto size_of = [&](const std::string& method, const std::string& weights) {
+    const std::string morph =
+        "<morph source=\"#g\" method=\"" + method +
+        "\"><source id=\"t\"><IDREF_array id=\"ta\" count=\"2\">deep high</IDREF_array></source>" +
+        source("w", weights, 2, 1) +
+        "<targets><input semantic=\"MORPH_TARGET\" source=\"#t\"/><input semantic=\"MORPH_WEIGHT\" source=\"#w\"/>"
+        "</targets></morph>";
+    const Scene scene = read(
+        dae(geometry("g", kTriangle) + geometry("deep", "0 0 8 1 0 0 0 1 0") + geometry("high", "0 0 0 1 0 0 0 5 0"),
+            morph, "<node id=\"m\"><instance_controller url=\"#c\"/></node>"));
+    EXPECT_EQ(scene.triangle_count(), 1u);
+    return scene.bounds_max - scene.bounds_min;
+  };
+  EXPECT_EQ(size_of("NORMALIZED", "0 0"), glm::vec3(1, 1, 0));
+  EXPECT_EQ(size_of("NORMALIZED", "0.25 0"), glm::vec3(1, 1, 2));
+  EXPECT_EQ(size_of("NORMALIZED", "0.5 0.5"), glm::vec3(1, 3, 4));
+  EXPECT_EQ(size_of("RELATIVE", "0 0.5"), glm::vec3(1.5f, 3.5f, 0));
+}
+
 }  // namespace
 }  // namespace umbrage

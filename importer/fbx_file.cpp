@@ -24,7 +24,7 @@ class BinaryParser {
 
   bool parse(FbxRecord& root) {
     wide_ = version() >= 7500;
-    while (next(root, 0)) {
+    while (next(root, 0, bytes_.size())) {
     }
     return !failed_;
   }
@@ -103,19 +103,20 @@ class BinaryParser {
         failed_ = true;
     }
   }
-  /// Reads a record and adds it to its parent. Returns false at the end of a list.
-  bool next(FbxRecord& parent, int depth) {
+  /// Reads a record, which ends at `limit` at most, and adds it to its parent. Returns false at the end of a list.
+  bool next(FbxRecord& parent, int depth, std::uint64_t limit) {
     if (at_ >= bytes_.size() && depth == 0) return false;  // cut before the last, empty record
     const std::uint64_t end = take_size(), count = take_size();
     take_size();  // of the values, bytes
     const std::string_view name = take_bytes(take<std::uint8_t>());
     if (failed_ || end == 0) return false;
-    if (depth > kMaxDepth || end > bytes_.size() || end < at_) return !(failed_ = true);
+    if (depth > kMaxDepth || end > limit) return !(failed_ = true);
     FbxRecord& record = parent.children.emplace_back();
     record.name = name;
     for (std::uint64_t k = 0; k < count && !failed_; ++k) take_value(record);
-    while (!failed_ && at_ < end && next(record, depth + 1)) {
+    while (!failed_ && at_ < end && next(record, depth + 1, end)) {
     }
+    failed_ = failed_ || at_ > end;  // going back would read bytes again and again
     if (!failed_) at_ = end;
     return !failed_;
   }
@@ -228,12 +229,6 @@ void connect(FbxFile& file) {
 
 const FbxRecord kNoRecord;
 
-const FbxRecord& property_in(const FbxRecord& list, std::string_view name) {
-  for (const FbxRecord& each : list.children)
-    if (each.text() == name) return each;
-  return kNoRecord;
-}
-
 }  // namespace
 
 const FbxRecord& FbxRecord::operator[](std::string_view child) const {
@@ -246,12 +241,20 @@ constexpr std::size_t kFirstNumber = 4;  // of a property: name, type, label, fl
 
 const FbxRecord& FbxObject::property(std::string_view key) const {
   if (!record) return kNoRecord;
-  const FbxRecord& own = property_in((*record)["Properties70"], key);
-  return own.values.empty() && defaults ? property_in(*defaults, key) : own;
+  for (const FbxRecord& each : (*record)["Properties70"].children)
+    if (each.text() == key) return each;
+  if (!defaults) return kNoRecord;
+  const auto found = defaults->find(key);
+  return found == defaults->end() ? kNoRecord : *found->second;
 }
 
 double FbxObject::number(std::string_view key, double otherwise) const {
   return property(key).number(kFirstNumber, otherwise);
+}
+
+int FbxObject::choice(std::string_view key, int count, int otherwise) const {
+  const double value = number(key, otherwise);
+  return value >= 0.0 && value < count ? int(value) : otherwise;
 }
 
 glm::dvec3 FbxObject::vector(std::string_view key, const glm::dvec3& otherwise) const {
@@ -289,9 +292,9 @@ Result<void> read_fbx_file(const std::filesystem::path& path, FbxFile& file) {
   if (!is_sound) return unreadable("its content is of another format, damaged, or cut short");
   if (version < kOldest)
     return unreadable(fmt::format("its version is {}; export it as FBX 2011 or later, version 7100", version));
-  std::map<std::string_view, const FbxRecord*> defaults;
   for (const FbxRecord& type : file.root["Definitions"].children)
-    defaults[type.text()] = &type["PropertyTemplate"]["Properties70"];
+    for (const FbxRecord& each : type["PropertyTemplate"]["Properties70"].children)
+      file.defaults[type.text()].emplace(each.text(), &each);
   file.objects[0].type = "Model";
   for (const FbxRecord& record : file.root["Objects"].children) {
     if (record.values.size() < 3 || record.values[0].integer == 0) continue;
@@ -299,8 +302,8 @@ Result<void> read_fbx_file(const std::filesystem::path& path, FbxFile& file) {
     object.record = &record;
     object.type = record.name;
     object.subtype = record.text(2);
-    const auto known = defaults.find(record.name);
-    object.defaults = known == defaults.end() ? nullptr : known->second;
+    const auto known = file.defaults.find(record.name);
+    object.defaults = known == file.defaults.end() ? nullptr : &known->second;
     set_name(record.text(1), object);
   }
   connect(file);

@@ -35,6 +35,9 @@ struct FbxRecord {
   }
 };
 
+/// Records of properties by their names.
+using FbxProperties = std::map<std::string_view, const FbxRecord*>;
+
 /// An object of the file, such as a Model, a Geometry or a Material.
 struct FbxObject {
   struct Link {
@@ -42,14 +45,16 @@ struct FbxObject {
     std::string_view property;  ///< of the parent that the child gives a value to; empty: it is a part of the parent
   };
   const FbxRecord* record = nullptr;
-  const FbxRecord* defaults = nullptr;  ///< properties of all objects of its type
-  std::string_view type, subtype;       ///< such as "Geometry" and "Mesh"
+  const FbxProperties* defaults = nullptr;  ///< those of all objects of its type
+  std::string_view type, subtype;           ///< such as "Geometry" and "Mesh"
   std::string name;
   std::vector<Link> children, parents;  ///< in the order of the file
 
   /// Returns the record of a property; an empty one if neither the object nor its type has it.
   const FbxRecord& property(std::string_view name) const;
   double number(std::string_view name, double otherwise) const;
+  /// Returns a choice among `count`, from 0 on.
+  int choice(std::string_view name, int count, int otherwise) const;
   glm::dvec3 vector(std::string_view name, const glm::dvec3& otherwise) const;
   /// Returns the parts of a type, in order.
   std::vector<FbxObject*> parts(std::string_view type) const;
@@ -58,7 +63,8 @@ struct FbxObject {
 struct FbxFile {
   std::string bytes;
   FbxRecord root;
-  std::map<std::int64_t, FbxObject> objects;  ///< by number; 0 is the root of all models
+  std::map<std::string_view, FbxProperties> defaults;  ///< by type of object
+  std::map<std::int64_t, FbxObject> objects;           ///< by number; 0 is the root of all models
 };
 
 /// Reads a file. Errors: kFile.

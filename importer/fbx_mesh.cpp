@@ -14,6 +14,10 @@ namespace {
 
 constexpr std::size_t kNoElement = std::size_t(-1);
 
+std::size_t element_of(double index) {
+  return index >= 0.0 && index <= double(UINT32_MAX) ? std::size_t(index) : kNoElement;
+}
+
 /// Vectors that a geometry gives to vertices, corners, polygons or all of these.
 struct Layer {
   const std::vector<double>* values = nullptr;
@@ -25,8 +29,8 @@ struct Layer {
   std::size_t element(std::size_t vertex, std::size_t corner, std::size_t polygon) const {
     std::size_t at = by == "ByPolygonVertex" ? corner : by == "ByPolygon" ? polygon : by == "AllSame" ? 0 : vertex;
     if (indices) {
-      if (at >= indices->size() || !((*indices)[at] >= 0.0)) return kNoElement;
-      at = std::size_t((*indices)[at]);
+      if (at >= indices->size()) return kNoElement;
+      at = element_of((*indices)[at]);
     }
     return values && at < values->size() / width ? at : kNoElement;
   }
@@ -169,7 +173,7 @@ class Builder {
 
   void add(const std::vector<std::uint32_t>& polygon, std::size_t first_corner, std::size_t number) {
     const std::size_t at = materials_.element(polygon[0], first_corner, number);
-    const auto slot = std::size_t(at == kNoElement ? 0.0 : std::max((*materials_.values)[at], 0.0));
+    const std::size_t slot = at == kNoElement ? 0 : element_of(std::max((*materials_.values)[at], 0.0));
     const int material = slot < place_.materials.size() ? place_.materials[slot] : place_.default_material;
     auto& [mesh, vertex_of] = parts_[material];
     mesh.material = material;

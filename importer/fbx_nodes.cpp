@@ -15,7 +15,7 @@ namespace {
 glm::dmat4 rotation_of(const glm::dvec3& angles_deg, int order = 0) {
   static constexpr int kOrders[][3] = {{0, 1, 2}, {0, 2, 1}, {1, 2, 0}, {1, 0, 2}, {2, 0, 1}, {2, 1, 0}};
   glm::dmat4 rotation(1.0);
-  for (const int axis : kOrders[order >= 0 && order < 6 ? order : 0]) {
+  for (const int axis : kOrders[order]) {
     glm::dvec3 direction(0.0);
     direction[axis] = 1.0;
     rotation = glm::rotate(glm::dmat4(1.0), glm::radians(angles_deg[axis]), direction) * rotation;
@@ -47,7 +47,7 @@ void place(const Placing& parent, Placing& node) {
   glm::dmat4 rotation = rotation_of(vector("Lcl Rotation"));
   if (m.number("RotationActive", 1.0) != 0.0 && m.number("RotationSpaceForLimitOnly", 0.0) == 0.0)
     rotation = rotation_of(vector("PreRotation")) *
-               rotation_of(vector("Lcl Rotation"), int(m.number("RotationOrder", 0.0))) *
+               rotation_of(vector("Lcl Rotation"), m.choice("RotationOrder", 6, 0)) *
                glm::inverse(rotation_of(vector("PostRotation")));
   const glm::dmat4 scaling = glm::scale(glm::dmat4(1.0), node.scale);
   const glm::dvec3 rotation_pivot = vector("RotationPivot"), scaling_pivot = vector("ScalingPivot");
@@ -56,7 +56,7 @@ void place(const Placing& parent, Placing& node) {
                            scaling * translation_of(-scaling_pivot);
   node.rotation = parent.rotation * glm::dmat3(rotation);
   glm::dmat3 parent_scale = glm::transpose(parent.rotation) * glm::dmat3(parent.world);
-  const int inherit = int(m.number("InheritType", double(kParentScaleFirst)));
+  const int inherit = m.choice("InheritType", 3, kParentScaleFirst);
   if (inherit == kNoParentScale)
     for (int axis = 0; axis < 3; ++axis)
       parent_scale[axis] *= parent.scale[axis] != 0.0 ? 1.0 / parent.scale[axis] : 0.0;
@@ -81,9 +81,8 @@ bool has_levels_of_detail(const FbxObject& model) {
 
 /// Returns the direction of an axis that the file names, such as "UpAxis".
 glm::dvec3 axis_of(const FbxObject& settings, const std::string& name, int otherwise) {
-  const int axis = int(settings.number(name, otherwise));
   glm::dvec3 direction(0.0);
-  direction[axis >= 0 && axis < 3 ? axis : otherwise] = settings.number(name + "Sign", 1.0) < 0.0 ? -1.0 : 1.0;
+  direction[settings.choice(name, 3, otherwise)] = settings.number(name + "Sign", 1.0) < 0.0 ? -1.0 : 1.0;
   return direction;
 }
 

@@ -240,90 +240,28 @@ TEST_F(Fbx, MaterialsOfPolygonsAndLayersOfCorners) {
 
 // ---- binary files
 
-template <class T>
-void append(std::string& to, T value) {
-  to.append(reinterpret_cast<const char*>(&value), sizeof(value));
-}
-
-/// A record of a binary file of version 7400 at an offset.
-std::string record(std::size_t offset, const std::string& name, const std::string& values, std::uint32_t count,
-                   const std::vector<std::string (*)(std::size_t)>& children = {}) {
-  std::string body = char(name.size()) + name + values;
-  constexpr std::size_t kSizes = 12;
-  for (const auto child : children) body += child(offset + kSizes + body.size());
-  if (!children.empty()) body += std::string(kSizes + 1, '\0');
-  std::string head;
-  append(head, std::uint32_t(offset + kSizes + body.size()));
-  append(head, count);
-  append(head, std::uint32_t(values.size()));
-  return head + body;
-}
-
-std::string text_value(const std::string& text) {
-  std::string value = "S";
-  append(value, std::uint32_t(text.size()));
-  return value + text;
-}
-std::string id_value(std::int64_t id) {
-  std::string value = "L";
-  append(value, id);
-  return value;
-}
-
-template <class T>
-std::string array_value(char type, const std::vector<T>& numbers, bool is_packed) {
-  const std::string raw(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(T));
-  std::string packed(compressBound(uLong(raw.size())), '\0');
-  uLongf size = uLongf(packed.size());
-  compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(raw.data()),
-           uLong(raw.size()));
-  packed.resize(size);
-  std::string value(1, type);
-  append(value, std::uint32_t(numbers.size()));
-  append(value, std::uint32_t(is_packed));
-  append(value, std::uint32_t(is_packed ? packed.size() : raw.size()));
-  return value + (is_packed ? packed : raw);
-}
-
-std::string binary_triangle() {
-  std::string bytes("Kaydara FBX Binary  \0\x1a\0", 23);
-  append(bytes, std::uint32_t(7400));
-  bytes +=
-      record(bytes.size(), "Objects", "", 0,
-             {[](std::size_t at) {
-                return record(
-                    at, "Geometry", id_value(1) + text_value(std::string("g\0\1Geometry", 11)) + text_value("Mesh"), 3,
-                    {[](std::size_t place) {
-                       return record(place, "Vertices", array_value<double>('d', {0, 0, 0, 1, 0, 0, 0, 1, 0}, true), 1);
-                     },
-                     [](std::size_t place) {
-                       return record(place, "PolygonVertexIndex", array_value<std::int32_t>('i', {0, 1, -3}, false), 1);
-                     }});
-              },
-              [](std::size_t at) {
-                return record(at, "Model",
-                              id_value(10) + text_value(std::string("node\0\1Model", 11)) + text_value("Mesh"), 3);
-              }});
-  bytes += record(bytes.size(), "Connections", "", 0,
-                  {[](std::size_t at) { return record(at, "C", text_value("OO") + id_value(1) + id_value(10), 3); },
-                   [](std::size_t at) { return record(at, "C", text_value("OO") + id_value(10) + id_value(0), 3); }});
-  return bytes + std::string(13, '\0');
-}
-
 TEST_F(Fbx, BinaryFilesAreReadAsThoseInText) {
-  const Scene scene = read(binary_triangle());
+  const Scene scene = read(test::binary_fbx_triangle());
   expect_corners(scene, 0, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   EXPECT_EQ(scene.meshes.at(0).name, "node");
 }
 
 TEST_F(Fbx, DamagedAndOldFilesAreRefused) {
-  const std::string binary = binary_triangle();
+  const std::string binary = test::binary_fbx_triangle();
   for (std::size_t size = 28; size + 20 < binary.size(); size += 7) EXPECT_NE(error_of(binary.substr(0, size)), "");
   EXPECT_NE(error_of(binary.substr(0, 60)).find("cannot be read as FBX"), std::string::npos);
   std::string old = binary;
   old[23] = char(6100 & 255), old[24] = char(6100 >> 8);
   EXPECT_NE(error_of(old).find("its version is 6100"), std::string::npos) << error_of(old);
   EXPECT_NE(error_of("<html></html>").find("is a web page"), std::string::npos) << error_of("<html></html>");
+  // A record that ends before its value does: going back there would read the bytes of the value again, as records.
+  const auto with_end_before = [](std::size_t at) {
+    std::string overlapping = test::fbx_record(at, "X", test::fbx_text_value(""), 1);
+    constexpr std::size_t kSizeOfText = 4;
+    overlapping[overlapping.size() - kSizeOfText] = 9;
+    return overlapping;
+  };
+  EXPECT_NE(error_of(test::binary_fbx_triangle(with_end_before)).find("damaged"), std::string::npos);
   const std::string text = fbx(triangle(1) + model(10, ""), {{1, 10}, {10, 0}, {10, 10}, {10, 1}, {99, 10}});
   EXPECT_EQ(read(text).meshes.size(), 1u) << "connections of a circle, and of what does not exist";
 }

@@ -289,9 +289,10 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   if (format == "dae") {
     if (auto error = check_dae(file)) return std::move(*error);
   }
-  std::string changed;  // text for Assimp in place of the file
+  // Text for Assimp in place of the file.
+  std::string changed = format == "dae" ? with_dae_morphs(text_of(file)) : std::string();
   const bool is_renamed = import_format(file) != format;
-  if (is_gzip_file(file) || is_renamed) {
+  if (changed.empty() && (is_gzip_file(file) || is_renamed)) {
     auto text = read_whole_file(file);
     if (!text) return text.error();
     changed = std::move(*text);

@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "core/result.h"
 #include "scene/readers/import.h"
@@ -21,6 +22,10 @@ Result<Scene> read_pdb(const std::filesystem::path& file);
 
 /// Reads the visible meshes of an FBX file of version 7, in its pose, with their materials. Errors: kFile.
 Result<Scene> read_fbx(const std::filesystem::path& file);
+
+/// Returns the text of a DAE file with its morphs applied, and geometries in their place, for Assimp, which reads no
+/// morphs. Of several morphs of one geometry the first is applied. Empty if the file has none, or is invalid XML.
+std::string with_dae_morphs(const std::string& text);
 
 /// Reads the objects that the build of a .3mf file names, with their transforms, base materials, colours and textures.
 /// Lengths are converted to millimetres. Errors: kFile.

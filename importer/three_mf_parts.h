@@ -56,14 +56,14 @@ std::optional<T> number(std::string_view text) {
 
 /// A part of an object.
 struct SlicerPart {
-  std::string component;  ///< the object that it is; empty: some triangles of the object itself
-  std::uint32_t first = 0, last = std::numeric_limits<std::uint32_t>::max();  ///< these
+  std::uint32_t last = std::numeric_limits<std::uint32_t>::max();  ///< its last triangle
   std::string hidden_as;  ///< what it is, in plural, if it is not a part of the model; else empty
   int extruder = 0;       ///< from 1 on; 0: that of the object
 };
 
 struct SlicerObject {
-  std::vector<SlicerPart> parts;
+  /// By the object that a part is, empty for some triangles of the object itself, and by its first triangle.
+  std::map<std::string, std::map<std::uint32_t, SlicerPart>, std::less<>> parts;
   int extruder = 0;  ///< from 1 on; 0: not set
 };
 
@@ -74,8 +74,8 @@ struct SlicerProject {
   void add_objects(const pugi::xml_node& config);
   /// Adds colours from settings as JSON, or as lines "; name = value".
   void add_colors(std::string_view settings);
-  /// Returns the part that a triangle belongs to; null if there is none. `root`: the id of the object that the build
-  /// names; `object`: that of the object with the mesh.
+  /// Returns the part that a triangle belongs to, of several the one that begins last; null if there is none. `root`:
+  /// the id of the object that the build names; `object`: that of the object with the mesh.
   const SlicerPart* find(std::string_view root, std::string_view object, std::uint32_t triangle) const;
   /// Returns the colour of a part's filament; empty if none is set.
   std::string_view color(std::string_view root, const SlicerPart* part) const;

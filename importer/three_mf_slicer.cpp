@@ -1,5 +1,6 @@
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/lowercase.h"
@@ -53,13 +54,13 @@ void SlicerProject::add_objects(const xml_node& config) {
     for (const xml_node& each : node.children()) {
       const std::string_view name = each.name();
       if (name != "volume" && name != "part") continue;
-      SlicerPart& part = object.parts.emplace_back();
-      if (name == "part") part.component = each.attribute("id").value();
-      part.first = number<std::uint32_t>(each.attribute("firstid").value()).value_or(part.first);
+      const auto first = number<std::uint32_t>(each.attribute("firstid").value()).value_or(0);
+      SlicerPart part;
       part.last = number<std::uint32_t>(each.attribute("lastid").value()).value_or(part.last);
       part.hidden_as = hidden_as(name == "part" ? each.attribute("subtype").value() : metadata(each, "volume_type"));
       if (part.hidden_as.empty() && metadata(each, "modifier") == "1") part.hidden_as = "modifiers";
       part.extruder = number<int>(metadata(each, "extruder")).value_or(0);
+      object.parts[name == "part" ? each.attribute("id").value() : ""].emplace(first, std::move(part));
     }
   }
 }
@@ -95,10 +96,13 @@ void SlicerProject::add_colors(std::string_view settings) {
 const SlicerPart* SlicerProject::find(std::string_view root, std::string_view object, std::uint32_t triangle) const {
   const auto known = objects.find(root);
   if (known == objects.end()) return nullptr;
-  for (const SlicerPart& part : known->second.parts)
-    if ((part.component.empty() ? root == object : part.component == object) && triangle >= part.first &&
-        triangle <= part.last)
-      return &part;
+  for (const std::string_view component : {root == object ? std::string_view() : object, object}) {
+    const auto parts = known->second.parts.find(component);
+    if (parts == known->second.parts.end()) continue;
+    const auto next = parts->second.upper_bound(triangle);
+    if (next == parts->second.begin()) continue;
+    if (const SlicerPart& part = std::prev(next)->second; triangle <= part.last) return &part;
+  }
   return nullptr;
 }
 

@@ -1,4 +1,4 @@
-// Compressed files and 3MF models that tests write.
+// Compressed files, 3MF and binary FBX models that tests write.
 #pragma once
 #include <zlib.h>
 
@@ -95,6 +95,88 @@ inline std::string cube_3mf(double size, const std::array<double, 3>& at = {},
 /// Returns the objects 1, a mesh, and a build of it.
 inline std::string object_3mf(const std::string& mesh) {
   return "<resources><object id=\"1\">" + mesh + "</object></resources><build><item objectid=\"1\"/></build>";
+}
+
+// ---- binary FBX
+
+template <class T>
+void append_value(std::string& to, T value) {
+  to.append(reinterpret_cast<const char*>(&value), sizeof(value));
+}
+
+/// A record of a binary file of version 7400 at an offset.
+inline std::string fbx_record(std::size_t offset, const std::string& name, const std::string& values,
+                              std::uint32_t count, const std::vector<std::string (*)(std::size_t)>& children = {}) {
+  std::string body = char(name.size()) + name + values;
+  constexpr std::size_t kSizes = 12;
+  for (const auto child : children) body += child(offset + kSizes + body.size());
+  if (!children.empty()) body += std::string(kSizes + 1, '\0');
+  std::string head;
+  append_value(head, std::uint32_t(offset + kSizes + body.size()));
+  append_value(head, count);
+  append_value(head, std::uint32_t(values.size()));
+  return head + body;
+}
+
+inline std::string fbx_text_value(const std::string& text) {
+  std::string value = "S";
+  append_value(value, std::uint32_t(text.size()));
+  return value + text;
+}
+inline std::string fbx_id_value(std::int64_t id) {
+  std::string value = "L";
+  append_value(value, id);
+  return value;
+}
+
+template <class T>
+std::string fbx_array_value(char type, const std::vector<T>& numbers, bool is_packed) {
+  const std::string raw(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(T));
+  std::string packed(compressBound(uLong(raw.size())), '\0');
+  uLongf size = uLongf(packed.size());
+  compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(raw.data()),
+           uLong(raw.size()));
+  packed.resize(size);
+  std::string value(1, type);
+  append_value(value, std::uint32_t(numbers.size()));
+  append_value(value, std::uint32_t(is_packed));
+  append_value(value, std::uint32_t(is_packed ? packed.size() : raw.size()));
+  return value + (is_packed ? packed : raw);
+}
+
+/// Returns a file of version 7400 with a triangle at 0, +x and +y, of length 1, in a node. `first`: makes a record
+/// before the others.
+inline std::string binary_fbx_triangle(std::string (*first)(std::size_t) = nullptr) {
+  std::string bytes("Kaydara FBX Binary  \0\x1a\0", 23);
+  append_value(bytes, std::uint32_t(7400));
+  if (first) bytes += first(bytes.size());
+  bytes += fbx_record(
+      bytes.size(), "Objects", "", 0,
+      {[](std::size_t at) {
+         return fbx_record(at, "Geometry",
+                           fbx_id_value(1) + fbx_text_value(std::string("g\0\1Geometry", 11)) + fbx_text_value("Mesh"),
+                           3,
+                           {[](std::size_t place) {
+                              return fbx_record(place, "Vertices",
+                                                fbx_array_value<double>('d', {0, 0, 0, 1, 0, 0, 0, 1, 0}, true), 1);
+                            },
+                            [](std::size_t place) {
+                              return fbx_record(place, "PolygonVertexIndex",
+                                                fbx_array_value<std::int32_t>('i', {0, 1, -3}, false), 1);
+                            }});
+       },
+       [](std::size_t at) {
+         return fbx_record(at, "Model",
+                           fbx_id_value(10) + fbx_text_value(std::string("node\0\1Model", 11)) + fbx_text_value("Mesh"),
+                           3);
+       }});
+  bytes += fbx_record(
+      bytes.size(), "Connections", "", 0,
+      {[](std::size_t at) { return fbx_record(at, "C", fbx_text_value("OO") + fbx_id_value(1) + fbx_id_value(10), 3); },
+       [](std::size_t at) {
+         return fbx_record(at, "C", fbx_text_value("OO") + fbx_id_value(10) + fbx_id_value(0), 3);
+       }});
+  return bytes + std::string(13, '\0');
 }
 
 }  // namespace umbrage::test

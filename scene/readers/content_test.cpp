@@ -70,7 +70,8 @@ TEST_F(Content, OfAnotherFormatThanTheNameIsRead) {
     }
   EXPECT_EQ(read("model.txt", kPly).triangle_count(), 1u) << "a name that is not known";
   EXPECT_EQ(read("points.ply", "0 0 0\n1 0 0\n0 1 1\n").point_count(), 3u);
-  expect_error("a.off", "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "its first word is not OFF");
+  expect_error("a.off", "3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "its first word is not OFF");
+  expect_error("a.off", "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n9 9 9\n", "more rows than it counts");
   EXPECT_TRUE(read("m.xyz", "2\nv\nO 0 0 0\no 1 0 0\n").warnings.empty());
 }
 
@@ -129,7 +130,8 @@ TEST_F(Content, CommentsMayStandAnywhere) {
 }
 
 TEST_F(Content, CountsOfOffEndWithTheirLine) {
-  for (const char* head : {"OFF\n3 1\n", "OFF3 1 0\n", "OFF 3 1\n", "OFF3 1\n", "OFF\n3\n1\n0\n"})
+  for (const char* head :
+       {"OFF\n3 1\n", "OFF3 1 0\n", "OFF 3 1\n", "OFF3 1\n", "OFF\n3\n1\n0\n", "3 1 0\n", "\xef\xbb\xbf# x\n3 1\n"})
     expect_same("a.off", head + kOff.substr(kOff.find("0 0 0")), "a.off", kOff);
 }
 

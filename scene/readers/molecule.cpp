@@ -198,10 +198,10 @@ std::optional<Atom> atom_of(std::string_view line, const AtomColumns& columns = 
   std::array<std::string_view, 3> position;
   for (std::size_t i = 0; i < std::max(columns.symbol + 1, columns.position + 3); ++i) {
     const std::string_view word = take_column(line);
+    if (word.empty()) return std::nullopt;
     if (i == columns.symbol) symbol = word;
     if (i >= columns.position && i < columns.position + 3) position[i - columns.position] = word;
   }
-  if (symbol.empty()) return std::nullopt;
   Atom atom{glm::dvec3(0.0), std::string(symbol)};
   if (!std::isalpha(static_cast<unsigned char>(symbol[0]))) {
     const auto number = integer_of<unsigned>(symbol);

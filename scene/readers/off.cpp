@@ -169,8 +169,11 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
   const std::string file = path.string();
   const auto bytes = read_whole_file(path, poll);
   if (!bytes) return bytes.error();
-  Words words{*bytes};
-  std::string_view kind = without_mark(words.word());
+  Words words{without_mark(*bytes)};
+  words.skip();
+  const std::size_t numbers = Words(words).rest_of_line().size();
+  const bool begins_with_counts = numbers == 2 || numbers == 3;  // as some programs write it, without OFF
+  std::string_view kind = begins_with_counts ? "OFF" : words.word();
   if (const std::size_t end = kind.find("OFF") + 3; end != std::string_view::npos + 3 && end < kind.size()) {
     words.text = {kind.data() + end, words.text.data() + words.text.size()};  // the counts follow without a blank
     kind = kind.substr(0, end);
@@ -219,6 +222,9 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
   if (words.failed)
     return cut_short(fmt::format("'{}' is cut short, or has something other than an index, at face {} of {}", file,
                                  face, face_count));
+  if (begins_with_counts && !words.word().empty())
+    return file_error("'{}' cannot be read as OFF (its first word is not OFF, and it has more rows than it counts)",
+                      file);
   if (colors.any && mesh.colors.empty()) set_face_attributes({.uvs = {}, .colors = colors.linear()}, mesh);
   if (colors.any_index) scene.warnings.push_back("colours of faces that are numbers of a colour map are not drawn");
   mesh.points = face_count == 0;

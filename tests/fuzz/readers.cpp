@@ -3,6 +3,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstddef>
 #include <cstdlib>
 #include <filesystem>
@@ -14,16 +16,21 @@
 #include "core/check.h"
 #include "core/length.h"
 #include "core/parameters.h"
+#include "core/printable.h"
+#include "gbuffers/gbuffer_file.h"
+#include "gbuffers/packing.h"
 #include "generators/builtin.h"
 #include "importer/importer.h"
 #include "io/image_file.h"
 #include "io/layers.h"
 #include "scene/finish.h"
+#include "scene/readers/content.h"
 #include "scene/readers/gzip.h"
 #include "scene/readers/model_readers.h"
 #include "scene/readers/mtl.h"
 #include "scene/readers/obj.h"
 #include "scene/readers/obj_text.h"
+#include "scene/readers/text_rules.h"
 #include "scene/readers/texture_file.h"
 #include "scene/readers/transfer.h"
 
@@ -178,6 +185,39 @@ void read_as_layers(std::string_view bytes) {
   if (const auto merged = write_merged(*header, layer, true, "/dev/null"); !merged) check(merged.error());
 }
 
+/// Reads a G-buffer with the packing that the first byte tells, and once more as the next frame of a sequence.
+void read_as_gbuffer(std::string_view bytes) {
+  if (bytes.empty()) return;
+  const std::size_t packing = static_cast<unsigned char>(bytes[0]) % (packings().size() + 1);
+  const MemoryFile file(bytes.substr(1));
+  constexpr double kMemory = 1 << 24;
+  constexpr std::int64_t kMaxPixels = 1 << 16;  // more take longer than they find
+  const Result<LayeredFile> header = read_header(file.path);
+  if (!header || std::int64_t(header->width) * header->height > kMaxPixels) return;
+  GBufferSettings settings{.file = file.path.string()};
+  if (packing > 0) settings.depth_packing = packings()[packing - 1].name;
+  const auto first = GBufferFile::open(settings, kMemory, "");
+  if (!first)
+    return check(first.error(), first.error().kind == ErrorKind::kUsage ? ErrorKind::kUsage : ErrorKind::kFile);
+  for (const std::string& line : first->facts().lines) expect(line.find('\n') == std::string::npos, line);
+  const auto next = GBufferFile::open(settings, kMemory, "", &first->conventions());
+  expect(bool(next), "the first frame is an error as the second one");
+  const Result<Image> image = next->rows({0, header->height});
+  if (!image) return check(image.error());
+  check_equal(image->planes.size(), next->plane_names().size(), "planes");
+}
+
+void read_as_content(std::string_view bytes) {
+  const std::string format = format_of_content(bytes, bytes.size());
+  expect(std::all_of(format.begin(), format.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)); }),
+         format);
+  static_cast<void>(conversion_advice(format));
+  static_cast<void>(has_decimal_commas(bytes));
+  expect(bytes.starts_with(without_comment(bytes)), "more than a name");
+  const std::string text = printable(bytes);
+  expect(printable(text) == text, "a printable text is not printable");
+}
+
 void read_as_texture(std::string_view bytes) {
   const auto* start = reinterpret_cast<const std::uint8_t*>(bytes.data());
   const Result<Texture> texture = decode_texture({start, bytes.size()}, "a texture");
@@ -328,13 +368,15 @@ constexpr Reader kReaders[] = {
     {"layers-exr", read_as_layers, exr_seeds, true},
     {"layers-tiff", read_as_layers, tiff_seeds, true},
     {"layers-array", read_as_layers, array_seeds, false},
+    {"gbuffer", read_as_gbuffer, gbuffer_seeds, false},
+    {"content", read_as_content, content_seeds, false},
     {"layers-picture", read_as_layers, picture_seeds, true},
     {"texture", read_as_texture, texture_seeds, true},
     {"gltf", import_as<kGltf>, gltf_seeds, true},
     {"glb", import_as<kGlb>, glb_seeds, true},
     {"3ds", import_as<k3ds>, seeds_of_3ds, true},
     {"dae", import_as<kDae>, dae_seeds, true},
-    {"fbx", import_as<kFbx>, fbx_seeds, true},
+    {"fbx", import_as<kFbx>, fbx_seeds, false},
     {"pdb", import_as<kPdb>, pdb_seeds, true},
     {"3mf", import_as<k3mf>, three_mf_seeds, true},
 };

@@ -41,6 +41,8 @@ Seeds exr_seeds();
 Seeds pfm_seeds();
 Seeds tiff_seeds();
 Seeds array_seeds();
+Seeds gbuffer_seeds();
+Seeds content_seeds();
 Seeds picture_seeds();
 Seeds texture_seeds();
 Seeds setting_seeds();

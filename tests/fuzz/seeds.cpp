@@ -158,7 +158,20 @@ Seeds three_mf_seeds() {
                   test::cube_3mf(1.0, {}, [](int k) { return std::string(k % 2 ? "pid=\"7\" p1=\"0\"" : ""); }) +
                   "</object><object id=\"2\"><components><component objectid=\"1\" transform=\"1 0 0 0 1 0 0 0 -1 "
                   "4 0 0\"/></components></object></resources><build><item objectid=\"2\"/></build>",
-              "inch")};
+              "inch"),
+          test::three_mf_of(test::object_3mf(test::cube_3mf(1.0)), "millimeter",
+                            {{"Metadata/model_settings.config",
+                              "<config><object id=\"1\"><metadata key=\"extruder\" value=\"2\"/><part id=\"1\" "
+                              "subtype=\"normal_part\"/><volume firstid=\"0\" lastid=\"5\"><metadata key=\"modifier\" "
+                              "value=\"1\"/></volume></object></config>"},
+                             {"Metadata/project_settings.config", R"({"filament_colour":["#FF0000","#00FF00"]})"},
+                             {"Metadata/Slic3r_PE.config",
+                              "; extruder_colour = #FF0000;\"\"\n; filament_colour = #00FF00;#0000FF\n"}}),
+          test::three_mf_of(test::object_3mf(
+              "<mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" z=\"9\"/></vertices>"
+              "<b:beamlattice radius=\".5\" ballmode=\"all\" ballradius=\"1\"><b:beams><b:beam v1=\"0\" v2=\"1\" "
+              "r1=\".2\" r2=\".3\"/></b:beams><b:balls><b:ball vindex=\"1\" r=\"2\"/></b:balls></b:beamlattice>"
+              "</mesh>"))};
 }
 
 Seeds obj_seeds() {
@@ -228,6 +241,44 @@ Seeds dae_seeds() {
 </instance_geometry></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)"};
 }
 
+namespace {
+
+/// A quadrilateral with layers, a shape key, a joint and a texture, in a node with levels of detail.
+constexpr const char* kPosedFbx = R"(FBXHeaderExtension: { FBXVersion: 7400 }
+Definitions: { ObjectType: "Model" { PropertyTemplate: "FbxNode" { Properties70: { P: "Visibility", "", "", "A",1 } } } }
+Objects: { Geometry: 1, "Geometry::g", "Mesh" { Vertices: *12 { a: 0,0,0,1,0,0,1,1,0,0,1,0 }
+PolygonVertexIndex: *4 { a: 0,1,2,-4 }
+LayerElementNormal: 0 { MappingInformationType: "ByPolygonVertex"
+Normals: *12 { a: 0,0,1,0,0,1,0,0,1,0,0,1 } }
+LayerElementUV: 0 { MappingInformationType: "ByPolygonVertex"
+ReferenceInformationType: "IndexToDirect"
+UV: *4 { a: 0,0,1,1 } UVIndex: *4 { a: 0,1,0,1 } }
+LayerElementMaterial: 0 { MappingInformationType: "ByPolygon"
+Materials: *1 { a: 0 } }
+LayerElementHole: 0 { Hole: *1 { a: 0 } } }
+Geometry: 2, "Geometry::s", "Shape" { Indexes: *1 { a: 1 } Vertices: *3 { a: 0,0,2 } }
+Deformer: 3, "", "BlendShape" { }
+Deformer: 4, "", "BlendShapeChannel" { DeformPercent: 50
+FullWeights: *1 { a: 100 } }
+Deformer: 5, "", "Skin" { }
+Deformer: 6, "", "Cluster" { Indexes: *2 { a: 2,3 } Weights: *2 { a: 0.5,1 }
+TransformLink: *16 { a: 1,0,0,0,0,1,0,0,0,0,1,0,1,0,0,1 } }
+Model: 7, "Model::j", "LimbNode" { Properties70: { P: "Lcl Rotation", "", "", "A",0,0,30
+P: "RotationOrder", "", "", "",3 P: "InheritType", "", "", "",2 } }
+Model: 8, "Model::m", "Mesh" { }
+NodeAttribute: 9, "", "LodGroup" { }
+Material: 10, "Material::t", "" { ShadingModel: "phong"
+}
+Texture: 11, "Texture::t", "" { RelativeFilename: "t.tga"
+}
+Video: 12, "Video::t", "Clip" { Content: "AAACAAAAAAAAAAAAAgABACAo//8AAP//AAD/"
+} }
+Connections: { C: "OO",1,8 C: "OO",3,1 C: "OO",4,3 C: "OO",2,4 C: "OO",5,1 C: "OO",6,5 C: "OO",7,6 C: "OO",7,8
+C: "OO",9,8 C: "OO",8,0 C: "OO",10,8 C: "OP",11,10,"DiffuseColor" C: "OO",12,11 }
+)";
+
+}  // namespace
+
 Seeds fbx_seeds() {
   return {R"(; FBX 7.3.0 project file
 FBXHeaderExtension:  {
@@ -270,7 +321,8 @@ Connections:  {
   C: "OO",11,12
   C: "OO",13,12
 }
-)"};
+)",
+          kPosedFbx, test::binary_fbx_triangle()};
 }
 
 Seeds png_seeds() {
@@ -305,6 +357,41 @@ Seeds array_seeds() {
   return {array, test::npy_of(">u2", "1, 2, 3, 2", test::memory_of(values)),
           test::npy_of("<f4", "2, 3", test::memory_of(values), true),
           test::zip_of({{"depth.npy", array}, {"k.npy", test::npy_of("<f4", "2,", test::memory_of(values))}})};
+}
+
+Seeds gbuffer_seeds() {
+  constexpr int kWidth = 16, kHeight = 12;
+  std::vector<float> depth, points;
+  std::vector<std::uint8_t> bytes;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const float z = 2.0f + 0.01f * float(x) + (x > 9 ? 1.0f : 0.0f);
+      const auto packed = std::uint32_t(z * 1e6f);
+      depth.push_back(z);
+      points.insert(points.end(), {(float(x) - 7.5f) * z / 16.0f, (float(y) - 5.5f) * z / 16.0f, z});
+      bytes.insert(bytes.end(), {std::uint8_t(packed >> 16), std::uint8_t(packed >> 8), std::uint8_t(packed)});
+    }
+  // The first byte is the packing.
+  return {"\0"s + test::npy_of("<f4", "12, 16", test::memory_of(depth)),
+          "\0"s + test::npy_of("<f4", "12, 16, 3", test::memory_of(points)),
+          "\1"s + test::npy_of("|u1", "12, 16, 3", test::memory_of(bytes)),
+          "\3"s + test::npy_of("|u1", "12, 16, 4", test::memory_of(depth)),
+          "\0"
+          "16&12&1&"s +
+              test::memory_of(depth),
+          "\0"
+          "16&12&3&"s +
+              test::memory_of(points)};
+}
+
+Seeds content_seeds() {
+  return {"<!DOCTYPE html><html>",
+          "version https://git-lfs\n",
+          "\xff\xfev\0 \0"s,
+          "PK\3\4" + std::string(26, ' ') + "a.usda",
+          "# a\nv 1 2 3\n",
+          "ATOM 1 2 3\n",
+          "0,5 1,5 2\n"};
 }
 
 Seeds picture_seeds() {
