@@ -145,7 +145,7 @@ TEST_F(AssimpPose, MorphsHaveTheirWeights) {
     const std::string morph =
         "<morph source=\"#g\" method=\"" + method +
         "\"><source id=\"t\"><IDREF_array id=\"ta\" count=\"2\">deep high</IDREF_array></source>" +
-        source("w", weights, 2, 1) +
+        dae_source("w", weights, 2, 1) +
         "<targets><input semantic=\"MORPH_TARGET\" source=\"#t\"/><input semantic=\"MORPH_WEIGHT\" source=\"#w\"/>"
         "</targets></morph>";
     const Scene scene = read(

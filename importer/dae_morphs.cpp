@@ -31,34 +31,47 @@ std::vector<double> numbers_of(const xml_node& node) {
   return numbers;
 }
 
-/// The elements of a file by the references to them, "#id".
-using Elements = std::map<std::string, xml_node, std::less<>>;
+/// The elements of a file by the references to them, "#id", and the numbers of its arrays, each parsed once.
+struct Ids {
+  std::map<std::string, xml_node, std::less<>> elements = {};
+  std::map<std::size_t, std::vector<double>> parsed = {};  ///< by the hash of an array's element
+
+  const std::vector<double>& numbers(const xml_node& array) {
+    const auto [found, is_new] = parsed.try_emplace(array.hash_value());
+    if (is_new) found->second = numbers_of(array);
+    return found->second;
+  }
+};
 
 /// Returns the array that the first input of a meaning below an element refers to; an empty element if there is none.
-xml_node array_of(const Elements& elements, const xml_node& owner, const char* semantic) {
+xml_node array_of(const Ids& ids, const xml_node& owner, const char* semantic) {
   const xml_node input = owner.find_node([&](const xml_node& each) {
     return std::string_view(each.name()) == "input" && std::string_view(each.attribute("semantic").value()) == semantic;
   });
-  const auto source = elements.find(input.attribute("source").value());
-  if (source == elements.end()) return {};
+  const auto source = ids.elements.find(input.attribute("source").value());
+  if (source == ids.elements.end()) return {};
   return source->second.find_child(
       [](const xml_node& each) { return std::string_view(each.name()).ends_with("_array"); });
 }
 
-void apply(const xml_node& morph, const Elements& elements, const xml_node& geometry) {
+/// Moves the arrays of a geometry. `moved`: those that a morph has moved; geometries may share them.
+void apply(const xml_node& morph, Ids& ids, const xml_node& geometry, std::set<std::size_t>& moved) {
   const bool is_relative = std::string_view(morph.attribute("method").value()) == "RELATIVE";
-  const std::vector<std::string> targets = words_of(array_of(elements, morph, "MORPH_TARGET"));
-  const std::vector<double> weights = numbers_of(array_of(elements, morph, "MORPH_WEIGHT"));
+  const std::vector<std::string> targets = words_of(array_of(ids, morph, "MORPH_TARGET"));
+  const std::vector<double> weights = ids.numbers(array_of(ids, morph, "MORPH_WEIGHT"));
+  std::map<std::string, double> weight_of;
+  for (std::size_t k = 0; k < std::min(targets.size(), weights.size()); ++k) weight_of["#" + targets[k]] += weights[k];
   for (const char* semantic : {"POSITION", "NORMAL"}) {
-    xml_node array = array_of(elements, geometry, semantic);
-    const std::vector<double> base = numbers_of(array);
+    xml_node array = array_of(ids, geometry, semantic);
+    if (!array || !moved.insert(array.hash_value()).second) continue;
+    const std::vector<double>& base = ids.numbers(array);
     std::vector<double> sum = base;
-    for (std::size_t k = 0; k < std::min(targets.size(), weights.size()); ++k) {
-      const auto target = elements.find("#" + targets[k]);
-      if (weights[k] == 0.0 || target == elements.end()) continue;
-      const std::vector<double> moved = numbers_of(array_of(elements, target->second, semantic));
-      for (std::size_t i = 0; moved.size() == base.size() && i < base.size(); ++i)
-        sum[i] += weights[k] * (is_relative ? moved[i] : moved[i] - base[i]);
+    for (const auto& [id, weight] : weight_of) {
+      const auto target = ids.elements.find(id);
+      if (weight == 0.0 || target == ids.elements.end()) continue;
+      const std::vector<double>& other = ids.numbers(array_of(ids, target->second, semantic));
+      for (std::size_t i = 0; other.size() == base.size() && i < base.size(); ++i)
+        sum[i] += weight * (is_relative ? other[i] : other[i] - base[i]);
     }
     if (sum != base) array.text().set(fmt::format("{}", fmt::join(sum, " ")).c_str());
   }
@@ -72,17 +85,18 @@ std::string with_dae_morphs(const std::string& text) {
   constexpr double kMemoryPerByte = 2.0;
   raise_limits_by(kMemoryPerByte * double(text.size()));
   if (!document.load_buffer(text.data(), text.size())) return {};
-  Elements elements;
+  Ids ids;
   for (const pugi::xpath_node& each : document.select_nodes("//*[@id]"))
-    elements.emplace(std::string("#") + each.node().attribute("id").value(), each.node());
+    ids.elements.emplace(std::string("#") + each.node().attribute("id").value(), each.node());
   std::map<std::string, std::string, std::less<>> geometry_of;  // references, by that to the controller
   std::set<std::string> done;
+  std::set<std::size_t> moved;
   for (const pugi::xpath_node& each : document.select_nodes("//controller/morph")) {
     const std::string source = each.node().attribute("source").value();
-    const auto geometry = elements.find(source);
-    if (geometry == elements.end()) continue;
+    const auto geometry = ids.elements.find(source);
+    if (geometry == ids.elements.end()) continue;
     geometry_of["#" + std::string(each.parent().attribute("id").value())] = source;
-    if (done.insert(source).second) apply(each.node(), elements, geometry->second);
+    if (done.insert(source).second) apply(each.node(), ids, geometry->second, moved);
     each.parent().set_name("extra");
   }
   for (const char* name : {"url", "source"})

@@ -217,8 +217,8 @@ void add_vertices(const PlacedMesh& placed, FarthestPoints& farthest) {
 
 /// Returns points around the meshes in poses of the whole animation. The poses do not depend on the time that is drawn.
 std::vector<glm::dvec3> motion_of(Build& build) {
-  // Placing this number of vertices takes a fraction of a second.
-  constexpr std::size_t kMaxVertices = 2'000'000, kMinPoses = 16, kMaxPoses = 256;
+  // Placing this number of vertices takes a fraction of a second; larger models are placed kMinPoses times.
+  constexpr std::size_t kMaxVertices = 2'000'000, kMinPoses = 4, kMaxPoses = 256;
   if (!build.pose) return {};
   std::vector<PlacedMesh> meshes = std::move(build.meshes);
   const GltfCounts counts = build.counts;

@@ -74,8 +74,8 @@ struct SlicerProject {
   void add_objects(const pugi::xml_node& config);
   /// Adds colours from settings as JSON, or as lines "; name = value".
   void add_colors(std::string_view settings);
-  /// Returns the part that a triangle belongs to, of several the one that begins last; null if there is none. `root`:
-  /// the id of the object that the build names; `object`: that of the object with the mesh.
+  /// Returns the part that a triangle belongs to, or null. The parts of an object are disjoint. `root`: the id of the
+  /// object that the build names; `object`: that of the object with the mesh.
   const SlicerPart* find(std::string_view root, std::string_view object, std::uint32_t triangle) const;
   /// Returns the colour of a part's filament; empty if none is set.
   std::string_view color(std::string_view root, const SlicerPart* part) const;

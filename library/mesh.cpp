@@ -5,8 +5,8 @@
 #include <cstring>
 #include <span>
 
-#include "core/lists.h"
 #include "core/color.h"
+#include "core/lists.h"
 #include "core/suggest.h"
 #include "library/scene.h"
 #include "library/shared.h"

@@ -1,5 +1,6 @@
 #include "library/object.h"
 
+#include <new>
 #include <unordered_map>
 
 #include "core/printable.h"
@@ -21,7 +22,11 @@ Table& table() {
 }  // namespace
 
 UmbError ErrorSlot::store(Error error) {
-  error.message = printable(error.message);
+  try {
+    error.message = printable(error.message);
+  } catch (const std::bad_alloc&) {
+    error.message = "no memory";  // short enough to need none
+  }
   const std::lock_guard lock(mutex_);
   const auto code = UmbError(error.kind);
   if (!has_error_ || !keeps_first_) error_ = std::move(error);

@@ -84,7 +84,7 @@ Result<std::optional<float>> metered_exposure(const Drawing& drawing, const Plan
     samples = std::min(samples, kMaxSamples);
   }
   LookRun run = drawing.run;
-  // The device has the scene at another time of its animation. A processor meters the start as well.
+  // The device has the scene at another time of its animation. A CPU device meters the start, on any machine.
   std::unique_ptr<Device> at_start;
   if (small.start) {
     auto made = make_device("cpu", drawing.device.threads());

@@ -442,6 +442,8 @@ Result<void> render(const RenderOptions& o) {
     jobs.push_back(std::move(*job));
   }
   const auto is_done = [](const RenderJob& job) { return job.output.is_sequence() && job.output.sequence.own.empty(); };
+  for (const RenderJob& job : jobs)
+    if (is_done(job)) print_kept(job.output.sequence);
   if (std::all_of(jobs.begin(), jobs.end(), is_done)) return {};
   auto device = device_of(o);
   if (!device) return device.error();

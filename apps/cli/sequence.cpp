@@ -68,17 +68,23 @@ fs::path record_of(const FrameNames& names) {
   return start.parent_path() / ((name.empty() ? "umbrage" : name) + ".frames");
 }
 
+/// Returns the name of a frame's file in the record: relative to the record's folder.
+std::string recorded_name(const Sequence& sequence, const fs::path& file) {
+  const fs::path record = fs::absolute(record_of(sequence.outputs.front()));
+  return fs::absolute(file).lexically_relative(record.parent_path()).generic_string();
+}
+
 /// Returns the record's line for a file of this request; empty if there is no such file.
-std::string record_line(const std::string& request, const fs::path& file) {
+std::string record_line(const Sequence& sequence, const fs::path& file) {
   std::error_code error;
   const auto size = fs::file_size(file, error);
-  return error ? "" : fmt::format("{} {} {}", request, size, file.filename().string());
+  return error ? "" : fmt::format("{} {} {}", sequence.request, size, recorded_name(sequence, file));
 }
 
 /// Adds the files of a frame to the record. Without it a later run makes the frame again.
 void add_to_record(const Sequence& sequence, int frame) {
   std::string lines;
-  for (const FrameNames& names : sequence.outputs) lines += record_line(sequence.request, names.of(frame)) + "\n";
+  for (const FrameNames& names : sequence.outputs) lines += record_line(sequence, names.of(frame)) + "\n";
   if (sequence.outputs.empty()) return;
   std::ofstream(record_of(sequence.outputs.front()), std::ios::app | std::ios::binary) << lines << std::flush;
 }
@@ -100,8 +106,8 @@ FrameRecord read_record(const FrameNames& names) {
 bool is_recorded(const Sequence& sequence, const FrameRecord& record, int frame) {
   return std::all_of(sequence.outputs.begin(), sequence.outputs.end(), [&](const FrameNames& names) {
     const fs::path file = names.of(frame);
-    const auto found = record.find(file.filename().string());
-    return found != record.end() && found->second == record_line(sequence.request, file);
+    const auto found = record.find(recorded_name(sequence, file));
+    return found != record.end() && found->second == record_line(sequence, file);
   });
 }
 
@@ -300,13 +306,17 @@ Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFil
   return sequence;
 }
 
-Result<void> make_sequence(const Sequence& sequence, const SequenceWork& work) {
+void print_kept(const Sequence& sequence) {
   if (sequence.finished > 0)
     fmt::print(stderr, "umbrage: {} of {} frames are there already; --overwrite makes them again\n", sequence.finished,
                sequence.finished + sequence.own.size() + sequence.missing.size());
   if (sequence.replaced > 0)
     fmt::print(stderr, "umbrage: {} {} there, but cut off or drawn by other options, and made again\n",
                sequence.replaced, sequence.replaced == 1 ? "frame is" : "frames are");
+}
+
+Result<void> make_sequence(const Sequence& sequence, const SequenceWork& work) {
+  print_kept(sequence);
   Progress progress{sequence, work};
   progress.fractions.resize(1);
   if (!sequence.own.empty()) {

@@ -49,9 +49,7 @@ struct Sequence {
 
 /// Returns the frames of a sequence. `range`: all frames; empty: those of --frames, or else all files of the first
 /// input. Frames whose outputs are there as these options draw them, and not older than their inputs, are finished,
-/// unless
-/// --overwrite is given.
-/// Errors: kUsage, also if an output is an input; kFile if the range has no file.
+/// unless --overwrite is given. Errors: kUsage, also if an output is an input; kFile if the range has no file.
 Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFiles& files, std::vector<int> range);
 
 /// A frame to make.
@@ -73,7 +71,10 @@ struct SequenceWork {
   std::function<Result<int>()> start_workers = [] { return Result<int>(1); };
 };
 
-/// Makes the frames. One line on standard error states how many were finished before. The first frame of all shards
+/// Prints one line if frames were finished before, and one if frames that are there are made again.
+void print_kept(const Sequence& sequence);
+
+/// Makes the frames, after print_kept. The first frame of all shards
 /// that can be made is made first, alone and on worker 0, so that the others can depend on it; it is written only if it
 /// is one of `own`. A failure is reported by one line on standard error. Errors: kFile if frames failed or were
 /// missing; kUsage of the first frame and kInterrupted of any, or any error if all are needed, end the sequence.

@@ -171,7 +171,9 @@ Result<void> Video::add(const Image& frame) {
   if (settings_.width == 0) {
     settings_.width = frame.width;
     settings_.height = frame.height;
-    if (auto status = check_size(file_, settings_); !status) return status;
+    if (!check_size(file_, settings_))
+      return field_error("--output", file_.string(), "{0} '{1}' cannot have {2} x {3} pixels: both must be even",
+                         frame.width, frame.height);
     if (auto started = start(); !started) return started;
   }
   if (frame.width != settings_.width || frame.height != settings_.height)

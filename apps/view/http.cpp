@@ -13,6 +13,7 @@
 #include "apps/view/messages.h"
 #include "core/check.h"
 #include "core/lowercase.h"
+#include "core/printable.h"
 
 namespace umbrage::view {
 namespace {
@@ -87,12 +88,13 @@ std::array<std::uint32_t, 5> sha1(std::string text) {
 }
 
 bool is_utf8(std::string_view text) {
-  try {
-    static_cast<void>(nlohmann::json(text).dump());
-    return true;
-  } catch (const nlohmann::json::type_error&) {
-    return false;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t length = utf8_length(text, at);
+    if (length == 0) return false;
+    at += length;
   }
+  return true;
 }
 
 /// Returns whether a client may close a WebSocket with a code: those that the RFC or its registry names, or 3000 to

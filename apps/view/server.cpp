@@ -30,17 +30,18 @@ using std::chrono::milliseconds, std::chrono::steady_clock;
 enum Kind { kPage, kFiles, kSave, kSocket };
 constexpr int kKinds = 4, kMaxRequests = 8;  // of each kind but kSocket
 constexpr int kSparePages = 4;               // for pages that are being refused
-constexpr std::size_t kMaxWaiting = 256;     // clients whose head has not arrived; the oldest gives way
-constexpr milliseconds kHeadTime(1000);      // for the head of a request
 constexpr milliseconds kPing(20000);         // between bytes of a page
 constexpr int kMaxPings = 6;                 // unanswered
 constexpr milliseconds kGoodbye(500);        // for a close message to be sent
 constexpr int kHttpPort = 80;                // of a host that names none
 
-// A client with the token holds a chunk, and the head or a body or the parts of a message.
-constexpr std::size_t kChunkBytes = 16384, kClientBytes = 2 * kChunkBytes + kMaxHeadBytes + kMaxMessageBytes;
-constexpr std::size_t kMaxServed = kMaxPages + kSparePages + (kKinds - 1) * kMaxRequests;
-static_assert(Gate::kMaxClients * kMaxHeadBytes + kMaxServed * kClientBytes <= kMaxReceivedBytes);
+// A request holds its head and a chunk; a socket also what FrameReader holds: bytes, a frame, and the parts of a
+// message.
+constexpr std::size_t kChunkBytes = 16384, kRequestBytes = kMaxHeadBytes + kChunkBytes;
+constexpr std::size_t kSocketBytes = kRequestBytes + kChunkBytes + 3 * kMaxMessageBytes;
+static_assert(Gate::kMaxClients * kMaxHeadBytes + (kKinds - 1) * kMaxRequests * kRequestBytes +
+                  (kMaxPages + kSparePages) * kSocketBytes <=
+              kMaxReceivedBytes);
 
 /// A request with the token.
 struct Job {

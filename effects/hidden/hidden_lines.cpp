@@ -116,6 +116,7 @@ void draw_once(Tracing& t, float reach, float min_px, float max_gap) {
       const bool whole = to - from == std::ptrdiff_t(on.size());
       Chain part{.points = {points.begin() + from, points.begin() + to}, .closed = t.chains[k].closed && whole};
       if (length_of(part) <= (whole ? reach : min_px)) continue;
+      if (part.closed) part.points.pop_back();  // connect_ends repeats the first; bridge_gaps expects it once
       std::fill(drawn[k].begin() + from, drawn[k].begin() + to, std::uint8_t(1));
       for (ChainPoint& p : part.points) p.edge = p.node = -1;  // ends are joined to ends alone
       kept.push_back(std::move(part));
