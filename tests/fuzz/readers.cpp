@@ -13,8 +13,10 @@
 #include "core/check.h"
 #include "core/length.h"
 #include "core/parameters.h"
+#include "gbuffers/gbuffer_file.h"
 #include "generators/builtin.h"
 #include "importer/importer.h"
+#include "io/format.h"
 #include "io/image_file.h"
 #include "io/layers.h"
 #include "scene/finish.h"
@@ -177,6 +179,20 @@ void read_as_layers(std::string_view bytes) {
   if (const auto merged = write_merged(*header, layer, true, "/dev/null"); !merged) check(merged.error());
 }
 
+/// Recognises what image files hold, as `umbrage info` does, within limits that suit small files.
+void read_as_info(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  constexpr double kSeconds = 2.0, kMemory = 5e8;
+  const ReadingLimits limits(kSeconds, kMemory);
+  GBufferSettings settings;
+  settings.file = file.path.string();
+  const auto facts = describe_gbuffer(settings);
+  if (!facts)
+    return check(facts.error(), facts.error().kind == ErrorKind::kUsage ? ErrorKind::kUsage : ErrorKind::kFile);
+  for (const std::vector<std::string>& texts : {facts->lines, facts->warnings, facts->layers})
+    for (const std::string& text : texts) expect(text.find('\n') == std::string::npos, text);
+}
+
 void read_as_texture(std::string_view bytes) {
   const auto* start = reinterpret_cast<const std::uint8_t*>(bytes.data());
   const Result<Texture> texture = decode_texture({start, bytes.size()}, "a texture");
@@ -300,6 +316,7 @@ constexpr Reader kReaders[] = {
     {"layers-tiff", read_as_layers, tiff_seeds, true},
     {"layers-array", read_as_layers, array_seeds, false},
     {"layers-picture", read_as_layers, picture_seeds, true},
+    {"info", read_as_info, info_seeds, true},
     {"texture", read_as_texture, texture_seeds, true},
     {"gltf", import_as<kGltf>, gltf_seeds, true},
     {"glb", import_as<kGlb>, glb_seeds, true},

@@ -42,6 +42,7 @@ Seeds pfm_seeds();
 Seeds tiff_seeds();
 Seeds array_seeds();
 Seeds picture_seeds();
+Seeds info_seeds();
 Seeds texture_seeds();
 Seeds setting_seeds();
 Seeds scene_name_seeds();
