@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "gbuffers/role_values.h"
 #include "gbuffers/settings.h"
 #include "gbuffers/steps.h"
+#include "io/format.h"
 #include "io/layers.h"
 
 namespace umbrage {
@@ -269,6 +271,7 @@ GBufferFile::~GBufferFile() = default;
 
 Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double memory, const std::string& scratch_folder,
                                       const Conventions* first) {
+  const ReadingLimits limits(std::numeric_limits<double>::infinity(), memory);
   auto state = std::make_unique<State>();
   state->memory = memory;
   auto opened = open_files(settings, state->facts);

@@ -8,6 +8,7 @@
 
 #include "core/lists.h"
 #include "gbuffers/packing.h"
+#include "io/format.h"
 
 namespace umbrage {
 namespace {
@@ -113,6 +114,8 @@ Result<RawPlanes> RawPlanes::read(std::span<const LayeredFile> headers, const Ro
                          header.path.string(), header.width, header.height, sized->path.string(), sized->width,
                          sized->height);
   }
+  if (sized && reading.scratch_folder.empty())  // stored and converted values stay in memory
+    if (auto fits = check_memory(sized->path, 2.0 * bytes); !fits) return fits.error();
   for (std::size_t file = 0; file < headers.size(); ++file) {
     const std::vector<Filled> planes = planes_of(roles, int(file));
     if (planes.empty()) continue;

@@ -155,7 +155,11 @@ bool are_unit(const Samples& samples) {
 
 /// Gives roles to vectors whose names say nothing. Errors: kFile.
 Result<void> find_vectors(Finding& f) {
-  for (const ChannelGroup& group : f.roles.unknown) {
+  constexpr std::size_t kMaxTried = 32;  // each is read by itself
+  if (f.roles.unknown.size() > kMaxTried)
+    f.facts.warnings.push_back(fmt::format("of {} vectors with unknown names only the first {} are examined",
+                                           f.roles.unknown.size(), kMaxTried));
+  for (const ChannelGroup& group : std::span(f.roles.unknown).first(std::min(f.roles.unknown.size(), kMaxTried))) {
     const RoleChannels channels{group.file, {group.channels.begin(), group.channels.begin() + 3}, group.name};
     if (f.is_integer(channels)) continue;
     if (f.roles[Role::kNormal].empty()) {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <optional>
+#include <tuple>
 
 #include "core/lists.h"
 #include "core/lowercase.h"
@@ -137,9 +139,10 @@ std::vector<KnownAs> known_as(const ChannelGroup& group, const LayeredFile& head
   const bool unnamed = group.layer.empty() && (group.part.empty() || header.format == "EXR");
   for (const DepthChannel& depth : kDepthChannels)
     if (single && channel == depth.letter &&
-        std::none_of(header.channels.begin(), header.channels.end(), [&](const Channel& other) {
-          return other.part == group.part && other.layer == group.layer && plain(other.name) == depth.beside;
-        }))
+        (depth.beside.empty() ||
+         std::none_of(header.channels.begin(), header.channels.end(), [&](const Channel& other) {
+           return other.part == group.part && other.layer == group.layer && plain(other.name) == depth.beside;
+         })))
       names.push_back({std::string(depth.name), unnamed ? 1 : 5});
   for (const std::string& end : ends_of(group.layer.empty() ? group.part : group.layer))
     names.push_back({end, kOfAnEnd});
@@ -325,16 +328,18 @@ Result<std::string> chosen_view(const LayeredFile& header, const std::string& wa
 /// Collects single channels whose names differ in a last letter x y z or r g b: "Nx", "Ny", "Nz".
 void join_singles(const LayeredFile& header, std::vector<ChannelGroup>& groups) {
   const auto name_of = [&](const ChannelGroup& group) { return header.channels[std::size_t(group.channels[0])].name; };
+  std::map<std::tuple<std::string, std::string, std::string>, std::vector<std::size_t>> singles;
+  for (std::size_t k = 0; k < groups.size(); ++k)
+    if (groups[k].channels.size() == 1) singles[{groups[k].part, groups[k].layer, name_of(groups[k])}].push_back(k);
   for (std::size_t k = 0; k < groups.size(); ++k) {
     if (groups[k].channels.size() != 1 || name_of(groups[k]).size() < 2) continue;
     const std::string name = name_of(groups[k]), start = name.substr(0, name.size() - 1);
     for (const std::string_view letters : {"xyz", "rgb", "XYZ", "RGB"}) {
       std::vector<std::size_t> found;
       for (const char letter : letters)
-        for (std::size_t other = 0; other < groups.size(); ++other)
-          if (groups[other].channels.size() == 1 && name_of(groups[other]) == start + letter &&
-              groups[other].part == groups[k].part && groups[other].layer == groups[k].layer)
-            found.push_back(other);
+        if (const auto at = singles.find({groups[k].part, groups[k].layer, start + letter}); at != singles.end())
+          std::copy_if(at->second.begin(), at->second.end(), std::back_inserter(found),
+                       [&](std::size_t other) { return groups[other].channels.size() == 1; });
       if (found.size() != 3 || found[0] == found[1]) continue;
       ChannelGroup& first = groups[std::min({found[0], found[1], found[2]})];
       std::vector<int> channels;
@@ -343,12 +348,12 @@ void join_singles(const LayeredFile& header, std::vector<ChannelGroup>& groups) 
       first.layer += (first.layer.empty() ? "" : ".") + word;
       first.channels = channels;
       first.is_color = letters[0] == 'r' || letters[0] == 'R';
-      std::sort(found.begin(), found.end());
-      groups.erase(groups.begin() + long(found[2]));
-      groups.erase(groups.begin() + long(found[1]));
+      for (const std::size_t f : found)
+        if (&groups[f] != &first) groups[f].channels.clear();
       break;
     }
   }
+  std::erase_if(groups, [](const ChannelGroup& group) { return group.channels.empty(); });
 }
 
 void name_groups(const LayeredFile& header, std::vector<ChannelGroup>& groups) {
@@ -369,15 +374,12 @@ std::vector<ChannelGroup> groups_of(const LayeredFile& header, int file) {
   std::vector<ChannelGroup> groups;
   std::vector<char> kinds;  // 'c' colour, 'v' vector, 's' single
   std::vector<std::array<int, 4>> components;
+  std::map<std::tuple<std::string, std::string, std::string, char>, std::size_t> known;  // colours and vectors
   for (const Channel& channel : header.channels) {
     const auto component = component_of(plain(channel.name));
-    const auto same_layer = [&](const ChannelGroup& g) {
-      return g.part == channel.part && g.view == channel.view && g.layer == channel.layer;
-    };
     std::size_t k = groups.size();
     if (component)
-      for (std::size_t g = 0; g < groups.size(); ++g)
-        if (kinds[g] == component->first && same_layer(groups[g])) k = g;
+      k = known.try_emplace({channel.part, channel.view, channel.layer, component->first}, k).first->second;
     if (k == groups.size()) {
       groups.push_back({file, {}, channel.part, channel.view, channel.layer, {}, false});
       kinds.push_back(component ? component->first : 's');

@@ -3,7 +3,24 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
 #include "gbuffers/ids.h"
+
+namespace {
+std::atomic<long> allocations = 0;
+}
+
+// Count the work of functions that make texts, whatever the machine does beside.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace umbrage {
 namespace {
@@ -45,6 +62,23 @@ std::string channels_text(const LayeredFile& header, const RoleChannels& role) {
   for (const int channel : role.channels)
     text += (text.empty() ? "" : " ") + header.channels[std::size_t(channel)].full_name();
   return text;
+}
+
+TEST(Roles, TheWorkGrowsAsTheNumberOfChannels) {
+  const auto work = [](int count) {
+    std::vector<std::string> names;
+    for (int i = 0; i < count; ++i) {
+      names.push_back(fmt::format("a layer with a long name {}.Z", i));
+      names.push_back(fmt::format("a channel with a long name {}x", i));
+      names.push_back(fmt::format("a channel with a long name {}y", i));
+    }
+    const LayeredFile header = header_with(names);
+    const long before = allocations;
+    EXPECT_EQ(groups_of(header, 0).size(), names.size());
+    roles_of(header);
+    return double(allocations - before);
+  };
+  EXPECT_LT(work(800), 2.2 * work(400));
 }
 
 TEST(Roles, VectorsAreKeptTogether) {

@@ -340,7 +340,7 @@ void Reader::add_mesh(const xml_node& object, std::string_view root, const Part&
 
 Result<void> Reader::add_object(const std::string& part_name, std::string_view id, std::string_view root,
                                 const glm::dmat4& place, int depth) {
-  constexpr int kMaxDepth = 64, kMaxPlaced = 1'000'000;
+  constexpr int kMaxDepth = 64, kMaxPlaced = 100'000;
   if (depth > kMaxDepth) return unreadable("its objects contain each other");
   if (++placed_count_ > kMaxPlaced)
     return unreadable(fmt::format("its objects are placed more than {} times", kMaxPlaced));

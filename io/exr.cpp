@@ -41,6 +41,7 @@
 #include <cerrno>
 #include <cstring>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 #include "core/lists.h"
@@ -278,21 +279,19 @@ Result<Image> read(const fs::path& file) {
   const auto stored_name = [](const Channel& channel) {
     return channel.layer.empty() ? channel.name : channel.layer + "." + channel.name;
   };
-  const auto in_part = [&](const Channel& as, const std::string& name) {
-    return std::any_of(header->channels.begin(), header->channels.end(),
-                       [&](const Channel& other) { return other.part == as.part && stored_name(other) == name; });
-  };
+  std::set<std::pair<std::string, std::string>> stored_names;  // with their parts
+  for (const Channel& channel : header->channels) stored_names.emplace(channel.part, stored_name(channel));
   const std::string first_part = header->channels[0].part;
   image->names.clear();
+  std::set<std::string> taken;
   for (const Channel& channel : header->channels) {
     const std::string stored = stored_name(channel);
     const std::string full = channel.part == first_part ? stored : channel.part + "." + stored;
     std::string name = exr_plane_of(channel.layer.empty() ? full : stored);
     // If a file has both forms of a name, such as N.X and N.x, or two parts with the same name, all of them are kept
     // under different names.
-    const auto is_taken = [&] { return contains(image->names, name); };
-    if ((name != stored && in_part(channel, name)) || is_taken()) name = full;
-    if (is_taken())
+    if ((name != stored && stored_names.contains({channel.part, name})) || taken.contains(name)) name = full;
+    if (!taken.insert(name).second)
       return file_error("'{}' has two channels for the name '{}': rename one of them", file.string(), name);
     image->names.push_back(name);
   }

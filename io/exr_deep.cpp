@@ -76,6 +76,8 @@ Result<void> make_room(const LayeredFile& file, DeepBlock& block) {
       return file_error("'{}' claims more than {} deep values from row {}: its sample counts are damaged",
                         file.path.string(), kMaxSamples, block.window.min.y);
   }
+  const double bytes = double(total) * double(block.names.size()) * sizeof(float);
+  if (auto fits = check_memory(file.path, bytes); !fits) return fits;
   block.samples.assign(block.names.size(), std::vector<float>(total));
   for (std::size_t c = 0; c < block.names.size(); ++c)
     for (std::size_t i = 0; i < block.pixels(); ++i) block.pointers[c][i] = block.samples[c].data() + block.starts[i];
@@ -149,6 +151,11 @@ Result<void> read_deep_rows(const LayeredFile& file, Imf::MultiPartInputFile& in
   const int y0 = std::max(first + part.display.min.y, part.data.min.y);
   const int y1 = std::min(end - 1 + part.display.min.y, part.data.max.y);
   block.window = part.data;
+  const auto within_limits = [&]() -> Result<void> {
+    if (auto in_time = check_reading_time(file.path); !in_time) return in_time;
+    const std::size_t per_pixel = sizeof(std::uint32_t) + block.names.size() * sizeof(float*);
+    return check_memory(file.path, double(block.pixels()) * double(per_pixel));
+  };
   if (header.type() == Imf::DEEPTILE) {
     Imf::DeepTiledInputPart reader(input, part.index);
     const int tile_rows = int(reader.tileYSize()), last_column = reader.numXTiles() - 1;
@@ -157,6 +164,7 @@ Result<void> read_deep_rows(const LayeredFile& file, Imf::MultiPartInputFile& in
       const Imath::Box2i rows = reader.dataWindowForTile(0, tile);
       block.window.min.y = rows.min.y;
       block.window.max.y = rows.max.y;
+      if (auto fine = within_limits(); !fine) return fine;
       reader.setFrameBuffer(frame_buffer(block));
       reader.readPixelSampleCounts(0, last_column, tile, tile);
       if (auto room = make_room(file, block); !room) return room;
@@ -170,6 +178,7 @@ Result<void> read_deep_rows(const LayeredFile& file, Imf::MultiPartInputFile& in
   for (int y = y0; y <= y1; y += kRows) {
     block.window.min.y = y;
     block.window.max.y = std::min(y + kRows - 1, y1);
+    if (auto fine = within_limits(); !fine) return fine;
     reader.setFrameBuffer(frame_buffer(block));
     reader.readPixelSampleCounts(block.window.min.y, block.window.max.y);
     if (auto room = make_room(file, block); !room) return room;

@@ -27,6 +27,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "core/lists.h"
 #include "io/exr_part.h"
@@ -58,12 +59,13 @@ ChannelType type_of(Imf::PixelType type) {
   return type == Imf::HALF ? ChannelType::kHalf : type == Imf::UINT ? ChannelType::kUint32 : ChannelType::kFloat;
 }
 
-/// Adds the texts and numbers of a header that are not there yet, without those that describe the file's structure.
-void add_attributes(const Imf::Header& header, LayeredFile& file) {
+/// Adds the texts and numbers of a header whose names are not in `known`, without those that describe the file's
+/// structure.
+void add_attributes(const Imf::Header& header, LayeredFile& file, std::set<std::string>& known) {
   constexpr std::string_view kStructure[] = {"chunkCount", "maxSamplesPerPixel", "name", "type", "version", "view"};
   for (auto it = header.begin(); it != header.end(); ++it) {
     const std::string name = printable(it.name());
-    if (file.attribute(name) || contains(kStructure, name)) continue;
+    if (known.contains(name) || contains(kStructure, name)) continue;
     const Imf::Attribute& any = it.attribute();
     std::string text;
     if (const auto* words = dynamic_cast<const Imf::StringAttribute*>(&any))
@@ -80,6 +82,7 @@ void add_attributes(const Imf::Header& header, LayeredFile& file) {
       text = fmt::format("{}", double(ratio->value()));
     else
       continue;
+    known.insert(name);
     file.attributes.emplace_back(name, text);
   }
 }
@@ -98,18 +101,21 @@ Result<LayeredFile> read_exr_header(const fs::path& file) {
     const Imath::Box2i display = input.header(0).displayWindow();  // common to all parts
     LayeredFile header = plain_header(display.max.x - display.min.x + 1, display.max.y - display.min.y + 1);
     header.data = {header.width, header.height, 0, 0};
+    std::set<std::string> known;
     for (int part = 0; part < input.parts(); ++part) {
+      if (auto in_time = check_reading_time(file); !in_time) return in_time.error();
       const Imath::Box2i data = input.header(part).dataWindow();
       header.data.x0 = std::min(header.data.x0, std::max(data.min.x - display.min.x, 0));
       header.data.y0 = std::min(header.data.y0, std::max(data.min.y - display.min.y, 0));
       header.data.x1 = std::max(header.data.x1, std::min(data.max.x - display.min.x + 1, header.width));
       header.data.y1 = std::max(header.data.y1, std::min(data.max.y - display.min.y + 1, header.height));
       header.is_deep = header.is_deep || is_deep(input.header(part));
-      add_attributes(input.header(part), header);
+      add_attributes(input.header(part), header, known);
       if (Imf::hasEnvmap(input.header(part))) header.attributes.emplace_back("envmap", "");
     }
     if (header.data.x1 <= header.data.x0 || header.data.y1 <= header.data.y0) header.data = {};
     for (const ExrChannel& channel : exr_channels_of(input)) {
+      if (auto in_time = check_reading_time(file); !in_time) return in_time.error();
       const Imf::Header& own = input.header(channel.part);
       Channel listed;
       if (input.parts() > 1 && own.hasName()) listed.part = printable(own.name());
@@ -311,11 +317,19 @@ Result<void> read_exr_rows(const LayeredFile& file, std::span<const int> channel
       part->target.push_back(int(i));
     }
     std::int64_t unit = 1;
-    for (const ExrPart& part : parts)
+    for (const ExrPart& part : parts) {
+      // The library decodes all channels of a block, which may be far wider than the display window.
+      const Imf::ChannelList& stored = input.header(part.index).channels();
+      double values = 0.0;
+      for (auto it = stored.begin(); it != stored.end(); ++it)
+        values += (double(part.data.max.x) - part.data.min.x + 1.0) * unit_of(part, input.header(part.index));
+      if (auto fits = check_memory(file.path, values * sizeof(float)); !fits) return fits;
       unit =
           std::min(std::lcm(unit, std::int64_t(unit_of(part, input.header(part.index)))), std::int64_t(kMaxFileSide));
+    }
     return target.each_block(int(unit), [&](int first, int end) -> Result<void> {
       for (const ExrPart& part : parts) {
+        if (auto in_time = check_reading_time(file.path); !in_time) return in_time;
         fill_outside(part, first, end, file.width, target);
         if (is_deep(input.header(part.index))) {
           if (auto read = read_deep_rows(file, input, part, first, end, target); !read) return read;

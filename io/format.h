@@ -25,6 +25,27 @@ Result<void> check_sides(const std::filesystem::path& file, std::int64_t width, 
 /// Checks the size of a picture that is read as a whole. Errors: kFile, naming the file.
 Result<void> check_size(const std::filesystem::path& file, std::int64_t width, std::int64_t height);
 
+/// Limits for what this thread reads from files until the object is destroyed: processor time from now, without that of
+/// the receivers of rows, and the bytes that may be in memory at once. Of limits within others the stricter hold.
+class ReadingLimits {
+ public:
+  ReadingLimits(double seconds, double memory);
+  /// Those for a file, as umbrage-import has them: 8 s, and 2 s for each megabyte.
+  explicit ReadingLimits(const std::filesystem::path& file);
+  ~ReadingLimits();
+  ReadingLimits(const ReadingLimits&) = delete;
+
+ private:
+  double outer_end_s_, outer_memory_;
+};
+
+/// Checks the limit of time. Loops call it whose length a file determines. Errors: kFile.
+Result<void> check_reading_time(const std::filesystem::path& file);
+
+/// Checks that a number of bytes may be in memory at once: at most the limit, and half of what is available. Errors:
+/// kFile.
+Result<void> check_memory(const std::filesystem::path& file, double bytes);
+
 /// Returns the file's extension in lower case without the dot, such as "png"; empty if there is none.
 std::string lowercase_extension(const std::filesystem::path& file);
 

@@ -1,11 +1,13 @@
 #include "io/layers.h"
 
 #include <algorithm>
+#include <ctime>
 #include <limits>
 #include <new>
 
 #include "core/suggest.h"
 #include "io/layer_format.h"
+#include "system/machine.h"
 
 namespace umbrage {
 namespace fs = std::filesystem;
@@ -17,6 +19,24 @@ constexpr const LayerFormat* kFormats[] = {&kExrLayers,  &kPngLayers,  &kTiffLay
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr std::int64_t kMaxValues = std::int64_t(1) << 31;  // 8 GB, in memory at once
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+thread_local double reading_end_s = kInfinity, max_memory = kInfinity;  // the limits of ReadingLimits
+thread_local double receivers_s = 0.0;                                  // processor time of receivers of rows
+
+double thread_seconds() {
+  std::timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+double reading_seconds() { return thread_seconds() - receivers_s; }
+
+double bytes_in(const fs::path& file) {
+  std::error_code missing;
+  const auto size = fs::file_size(file, missing);
+  return missing ? 0.0 : double(size);
+}
 
 Error no_memory_to_read(const fs::path& file) {
   return device_error("'{}' cannot be read: its pixels need more memory than is available", file.string());
@@ -45,22 +65,52 @@ Result<const LayerFormat*> format_named(const LayeredFile& file) {
 }
 
 /// Checks the channels that a caller requests, and that there are pixels for a sensible part of the frame: if the frame
-/// is gigabytes in size and there is almost no data, the header is damaged.
+/// is gigabytes in size and there is almost no data, the header is damaged, or the file is made to take long.
 Result<void> check_request(const LayeredFile& file, std::span<const int> channels) {
   for (const int channel : channels)
     if (channel < 0 || std::size_t(channel) >= file.channels.size())
       return file_error("'{}' has no channel {}: it has {}", file.path.string(), channel, file.channels.size());
-  constexpr std::int64_t kMaxEmpty = std::int64_t(1) << 27, kMaxRatio = 64;
+  // Pictures have up to a hundred values per byte; those of one colour have 1032, the best ratio of Deflate.
+  constexpr std::int64_t kMaxEmpty = std::int64_t(1) << 27, kMaxRatio = 64, kMaxPerByte = 512;
   const std::int64_t count = std::int64_t(channels.size()), values = count * file.width * file.height;
   const std::int64_t stored =
       count * std::max(file.data.x1 - file.data.x0, 0) * std::max(file.data.y1 - file.data.y0, 0);
   if (values > kMaxEmpty + kMaxRatio * stored)
     return file_error("'{}' has a frame of {} x {} pixels in its header, but data for too few of them",
                       file.path.string(), file.width, file.height);
+  if (double(values) > double(kMaxEmpty) + double(kMaxPerByte) * bytes_in(file.path))
+    return file_error("'{}' has {} values in {} x {} pixels, too many for its {} bytes", file.path.string(), values,
+                      file.width, file.height, bytes_in(file.path));
   return {};
 }
 
 }  // namespace
+
+ReadingLimits::ReadingLimits(double seconds, double memory)
+    : outer_end_s_(std::exchange(reading_end_s, std::min(reading_end_s, reading_seconds() + seconds))),
+      outer_memory_(std::exchange(max_memory, std::min(max_memory, memory))) {}
+
+ReadingLimits::ReadingLimits(const fs::path& file) : ReadingLimits(8.0 + 2e-6 * bytes_in(file), kInfinity) {}
+
+ReadingLimits::~ReadingLimits() {
+  reading_end_s = outer_end_s_;
+  max_memory = outer_memory_;
+}
+
+Result<void> check_reading_time(const fs::path& file) {
+  if (reading_seconds() < reading_end_s) return {};
+  return file_error("'{}' is damaged or too complex: reading it takes too long for its {} bytes", file.string(),
+                    bytes_in(file));
+}
+
+Result<void> check_memory(const fs::path& file, double bytes) {
+  constexpr double kUnchecked = 64e6, kMaxFraction = 0.5;
+  if (bytes <= kUnchecked) return {};
+  const double max = std::min(max_memory, kMaxFraction * available_memory());
+  if (bytes <= max) return {};
+  return file_error("'{}' cannot be read: its pixels need {:.1f} GB of memory at once, and {:.1f} GB can be used",
+                    file.string(), 1e-9 * bytes, 1e-9 * max);
+}
 
 std::string layer_with_part(const std::string& part, const std::string& layer) {
   if (part.empty() || layer == part || layer.starts_with(part + ".")) return layer;
@@ -85,25 +135,35 @@ RowTarget::RowTarget(const LayeredFile& file, std::vector<std::string> names, co
     : outside_depth(kNan), file_(file), names_(std::move(names)), take_(&take) {}
 
 Result<void> RowTarget::each_block(int unit, const std::function<Result<void>(int first, int end)>& fill) {
-  if (!take_) return fill(0, file_.height);
   constexpr std::int64_t kBlockValues = std::int64_t(1) << 22;  // 16 MB: more rows per block are no faster
-  const std::int64_t row_values = std::int64_t(file_.width) * std::int64_t(names_.size());
+  const std::size_t planes = take_ ? names_.size() : image_->planes.size();
+  const std::int64_t row_values = std::int64_t(file_.width) * std::int64_t(planes);
   const std::int64_t at_once = std::clamp(unit, 1, file_.height);
   if (row_values * at_once > kMaxValues)
     return file_error("'{}' has {} values in blocks of {} rows: at most {} can be read", file_.path.string(),
                       row_values * at_once, at_once, kMaxValues);
   const std::int64_t blocks = std::max<std::int64_t>(kBlockValues / (row_values * at_once), 1);
   const int rows = int(std::min<std::int64_t>(blocks * at_once, file_.height));
-  image_ = &block_;
-  for (first_ = 0; first_ < file_.height; first_ += rows) {
-    const int end = std::min(first_ + rows, file_.height);
+  if (auto fits = check_memory(file_.path, double(row_values) * rows * sizeof(float)); !fits) return fits;
+  for (int first = 0; first < file_.height; first += rows) {
+    const int end = std::min(first + rows, file_.height);
+    if (auto in_time = check_reading_time(file_.path); !in_time) return in_time;
+    if (!take_) {
+      if (auto filled = fill(first, end); !filled) return filled;
+      continue;
+    }
+    image_ = &block_;
+    first_ = first;
     if (block_.height != end - first_) {
       block_ = Image(file_.width, end - first_);
       block_.names = names_;
       for (std::size_t i = 0; i < names_.size(); ++i) block_.planes.emplace_back(block_.width, block_.height);
     }
     if (auto filled = fill(first_, end); !filled) return filled;
-    if (auto taken = (*take_)(block_, first_); !taken) return taken;
+    const double begin_s = thread_seconds();
+    auto taken = (*take_)(block_, first_);
+    receivers_s += thread_seconds() - begin_s;
+    if (!taken) return taken;
   }
   return {};
 }
@@ -133,6 +193,7 @@ void add_picture_channels(LayeredFile& file, int count, ChannelType type, double
 }
 
 Result<LayeredFile> read_header_as(const LayerFormat& format, const fs::path& file) {
+  const ReadingLimits limits(file);
   try {
     Result<LayeredFile> header = format.header(file);
     if (!header) return header;
@@ -140,6 +201,10 @@ Result<LayeredFile> read_header_as(const LayerFormat& format, const fs::path& fi
     header->format = format.name;
     for (std::size_t i = 0; i < header->channels.size(); ++i) header->channels[i].index = int(i);
     if (header->channels.empty()) return file_error("'{}' has no channels", file.string());
+    constexpr std::size_t kMaxChannels = 4096;
+    if (header->channels.size() > kMaxChannels)
+      return file_error("'{}' has {} channels: at most {} can be read", file.string(), header->channels.size(),
+                        kMaxChannels);
     return header;
   } catch (const std::bad_alloc&) {
     return no_memory_to_read(file);
@@ -154,6 +219,8 @@ Result<Image> read_channels_as(const LayerFormat& format, const LayeredFile& fil
     return file_error("'{}' has {} values in {} x {} pixels: at most {} can be read", file.path.string(), values,
                       file.width, file.height, kMaxValues);
   if (auto status = check_request(file, channels); !status) return status.error();
+  if (auto fits = check_memory(file.path, double(values) * sizeof(float)); !fits) return fits.error();
+  const ReadingLimits limits(file.path);
   try {
     Image image(file.width, file.height);
     for (const int channel : channels) {
@@ -208,6 +275,7 @@ Result<void> read_rows(const LayeredFile& file, std::span<const int> channels, c
   if (channels.empty()) return {};
   std::vector<std::string> names;
   for (const int channel : channels) names.push_back(file.channels[std::size_t(channel)].full_name());
+  const ReadingLimits limits(file.path);
   try {
     RowTarget target(file, std::move(names), take);
     return (*format)->rows(file, channels, target);

@@ -1,17 +1,23 @@
 // Layered image files: what holds for every format. Files that are cut short or damaged are errors, rows are the same
-// in blocks and as a whole, and requested channels are those that come.
+// in blocks and as a whole, requested channels are those that come, and limits of time and size hold.
 #include "io/layers.h"
 
 #include <ImfCompression.h>
 #include <gtest/gtest.h>
+// jpeglib.h needs cstdio before it.
+#include <cstdio>
+
+#include <jpeglib.h>
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
+#include <limits>
 #include <map>
 #include <random>
 
 #include "file_folder.h"
-#include "io/image_file.h"
+#include "io/format.h"
 #include "layered_files.h"
 
 namespace umbrage {
@@ -235,6 +241,117 @@ TEST_F(Layers, OtherContentsAreNamed) {
   }
   EXPECT_FALSE(read_header(folder / "none.exr"));
   EXPECT_FALSE(read_header(folder));
+}
+
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+TEST_F(Layers, ReadingEndsWhenItsTimeIsUp) {
+  for (const auto& [name, bytes] : files) {
+    const auto header = read_header(write(name, bytes));
+    ASSERT_TRUE(header);
+    const ReadingLimits none(0.0, kNoLimit);
+    const auto image = read_channels(*header, all_of(*header));
+    ASSERT_FALSE(image) << name;
+    EXPECT_EQ(image.error().kind, ErrorKind::kFile);
+    EXPECT_NE(image.error().message.find(name + "' is damaged or too complex"), std::string::npos)
+        << image.error().message;
+    bool called = false;
+    EXPECT_FALSE(read_rows(*header, all_of(*header), [&](const Image&, int) { return called = true, Result<void>(); }));
+    EXPECT_FALSE(called) << name;
+  }
+}
+
+TEST_F(Layers, TheTimeOfReceiversDoesNotCount) {
+  // Two blocks: the receiver uses up the time of the file during the first.
+  const auto header = read_header(write("long.pgm", "P5 2048 4096 255\n" + std::string(2048 * 4096, 'a')));
+  ASSERT_TRUE(header);
+  constexpr double kSeconds = 0.5;
+  const ReadingLimits limits(kSeconds, kNoLimit);
+  int calls = 0;
+  const auto status = read_rows(*header, std::vector<int>{0}, [&](const Image&, int) -> Result<void> {
+    const std::clock_t begin = std::clock();
+    while (++calls == 1 && double(std::clock() - begin) < 2.0 * kSeconds * CLOCKS_PER_SEC) --calls;
+    return {};
+  });
+  EXPECT_TRUE(status) << status.error().message;
+  EXPECT_EQ(calls, 2);
+}
+
+/// Expects that a file is refused, with these words, in less than half a second of processor time.
+void expect_refused(const fs::path& file, const std::string& words) {
+  constexpr double kMax_s = 0.5;
+  const ReadingLimits limits(kMax_s, kNoLimit);
+  const auto header = read_header(file);
+  const auto image = header ? read_channels(*header, all_of(*header)) : Result<Image>(header.error());
+  ASSERT_FALSE(image);
+  EXPECT_EQ(image.error().kind, ErrorKind::kFile);
+  EXPECT_NE(image.error().message.find(words), std::string::npos) << image.error().message;
+}
+
+TEST_F(Layers, FilesTooSmallForTheirPixelsAreRefused) {
+  using std::string_literals::operator""s;
+  expect_refused(write("one.webp", "RIFF\x20\0\0\0WEBPVP8L\x14\0\0\0\x2f\xfe\xbf\xff\x0f\xa8\x42\x29\xea\xd1\xff"s +
+                                       std::string(9, '\0')),
+                 "16383 pixels, too many for its 40 bytes");
+}
+
+/// Returns a progressive file of one colour with `bands` scans per component, and one of all.
+std::string progressive_jpeg(int bands) {
+  jpeg_compress_struct jpeg{};
+  jpeg_error_mgr manager{};
+  jpeg.err = jpeg_std_error(&manager);
+  jpeg_create_compress(&jpeg);
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&jpeg, &bytes, &size);
+  jpeg.image_width = jpeg.image_height = 16;
+  jpeg.input_components = 3;
+  jpeg.in_color_space = JCS_RGB;
+  jpeg_set_defaults(&jpeg);
+  std::vector<jpeg_scan_info> scans = {{3, {0, 1, 2}, 0, 0, 0, 0}};
+  for (int component = 0; component < 3; ++component)
+    for (int band = 1; band <= bands; ++band) scans.push_back({1, {component}, band, band, 0, 0});
+  jpeg.scan_info = scans.data();
+  jpeg.num_scans = int(scans.size());
+  jpeg_start_compress(&jpeg, TRUE);
+  std::vector<JSAMPLE> row(16 * 3, 77);
+  JSAMPROW rows[] = {row.data()};
+  while (jpeg.next_scanline < jpeg.image_height) jpeg_write_scanlines(&jpeg, rows, 1);
+  jpeg_finish_compress(&jpeg);
+  jpeg_destroy_compress(&jpeg);
+  std::string out(reinterpret_cast<char*>(bytes), size);
+  std::free(bytes);
+  return out;
+}
+
+TEST_F(Layers, JpegFilesOfManyScansAreRefused) {
+  const auto few = read_header(write("few.jpg", progressive_jpeg(20)));
+  ASSERT_TRUE(few);
+  EXPECT_TRUE(read_channels(*few, all_of(*few)));
+  expect_refused(write("many.jpg", progressive_jpeg(63)), "more than 64 scans");
+}
+
+TEST_F(Layers, PixelsThatNeedTooMuchMemoryAreRefused) {
+  Image picture(4200, 4200);
+  picture.add("grey");
+  ASSERT_TRUE(write_image(folder / "large.png", picture));
+  const auto header = read_header(folder / "large.png");
+  ASSERT_TRUE(header);
+  const ReadingLimits limits(kNoLimit, 60e6);  // bytes
+  const auto image = read_channels(*header, std::vector<int>{0});
+  ASSERT_FALSE(image);
+  EXPECT_EQ(image.error().kind, ErrorKind::kFile);
+  EXPECT_NE(image.error().message.find("need 0.1 GB of memory"), std::string::npos) << image.error().message;
+  EXPECT_TRUE(read_rows(*header, std::vector<int>{0}, [](const Image&, int) { return Result<void>(); }));
+}
+
+TEST_F(Layers, FilesOfTooManyChannelsAreRefused) {
+  std::vector<std::pair<std::string, std::string>> arrays;
+  for (int i = 0; i <= 4096; ++i)
+    arrays.emplace_back(fmt::format("a{}.npy", i), test::npy_of("|u1", "8, 8", std::string(64, 'x')));
+  expect_refused(write("many.npz", test::zip_of(arrays)), "has 4097 channels: at most 4096 can be read");
+  arrays.pop_back();
+  EXPECT_TRUE(read_header(write("fewer.npz", test::zip_of(arrays))));
 }
 
 TEST(LayerNames, PartLayerAndNameAreJoinedOnce) {

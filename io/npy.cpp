@@ -299,13 +299,14 @@ Result<Zip> open_zip(const fs::path& file, std::int64_t& size) {
   return file_error("'{}' cannot be read as NPZ: {}", file.string(), cause);
 }
 
-/// Decompresses the first `count` bytes of an entry. Returns fewer if it is damaged.
-std::string inflate(zip_t* zip, const Entry& entry, std::int64_t count) {
+/// Decompresses the first `count` bytes of an entry. Returns fewer if it is damaged, or the time is up.
+std::string inflate(const fs::path& file, zip_t* zip, const Entry& entry, std::int64_t count) {
   std::string content(std::size_t(std::min(count, entry.size)), '\0');
   std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> stream(zip_fopen_index(zip, entry.index, 0), zip_fclose);
   std::size_t filled = 0;
-  while (stream && filled < content.size()) {
-    const zip_int64_t got = zip_fread(stream.get(), content.data() + filled, content.size() - filled);
+  while (stream && filled < content.size() && check_reading_time(file)) {
+    constexpr std::size_t kBlock = std::size_t(1) << 24;
+    const zip_int64_t got = zip_fread(stream.get(), content.data() + filled, std::min(content.size() - filled, kBlock));
     if (got <= 0) break;
     filled += std::size_t(got);
   }
@@ -315,10 +316,11 @@ std::string inflate(zip_t* zip, const Entry& entry, std::int64_t count) {
 
 /// `size`: of the archive, bytes.
 Result<std::vector<Entry>> list_entries(const fs::path& file, std::int64_t size, zip_t* zip) {
-  constexpr std::int64_t kMaxEntry = std::int64_t(1) << 33, kMaxHeader = 1 << 17, kBestRatio = 1032;
+  constexpr std::int64_t kMaxEntry = std::int64_t(1) << 33, kUsualHeader = 128, kBestRatio = 1032;
   std::vector<Entry> entries;
   const zip_int64_t count = zip_get_num_entries(zip, 0);
   for (zip_int64_t i = 0; i < count; ++i) {
+    if (auto in_time = check_reading_time(file); !in_time) return in_time.error();
     zip_stat_t about;
     zip_stat_init(&about);
     if (zip_stat_index(zip, zip_uint64_t(i), 0, &about) != 0 || !(about.valid & ZIP_STAT_NAME)) continue;
@@ -332,8 +334,13 @@ Result<std::vector<Entry>> list_entries(const fs::path& file, std::int64_t size,
                         entry.name);
     entry.index = zip_uint64_t(i);
     entry.size = std::int64_t(about.size);
-    const std::string start = inflate(zip, entry, kMaxHeader);
-    auto array = read_array_header(file.string() + ":" + entry.name, entry.size, bytes_of(start));
+    std::string start;
+    const ReadBytes read = [&](std::int64_t offset, void* to, std::size_t bytes) {
+      const std::int64_t end = offset + std::int64_t(bytes);
+      if (std::int64_t(start.size()) < end) start = inflate(file, zip, entry, std::max(end, kUsualHeader));
+      return bytes_of(start)(offset, to, bytes);
+    };
+    auto array = read_array_header(file.string() + ":" + entry.name, entry.size, read);
     if (!array) return array.error();
     entry.array = std::move(*array);
     entry.layout = layout_of(entry.array);
@@ -343,11 +350,11 @@ Result<std::vector<Entry>> list_entries(const fs::path& file, std::int64_t size,
 }
 
 /// Describes an array that is not a picture of the file's size.
-std::string described(zip_t* zip, const Entry& entry) {
+std::string described(const fs::path& file, zip_t* zip, const Entry& entry) {
   constexpr std::int64_t kMaxNumbers = 16;
   const std::int64_t count = entry.array.count();
   const std::int64_t end = entry.array.start + count * entry.array.type.bytes;
-  const std::string content = count > kMaxNumbers ? "" : inflate(zip, entry, end);
+  const std::string content = count > kMaxNumbers ? "" : inflate(file, zip, entry, end);
   if (std::int64_t(content.size()) < end) return "array of " + shape_text(entry.array);
   std::vector<float> numbers(std::size_t(count), 0.0f);
   to_floats(entry.array.type, content.data() + entry.array.start, entry.array.type.bytes, int(count), numbers.data());
@@ -402,17 +409,19 @@ Result<LayeredFile> read_npz_header(const fs::path& file) {
   if (!npz) return npz.error();
   LayeredFile header = plain_header(int(npz->pictures[0].layout.width), int(npz->pictures[0].layout.height));
   for (const Entry& entry : npz->pictures) add_channels(entry.array, entry.layout, entry.name, header);
-  for (const Entry& entry : npz->others) header.attributes.emplace_back(entry.name, described(npz->zip.get(), entry));
+  for (const Entry& entry : npz->others)
+    header.attributes.emplace_back(entry.name, described(file, npz->zip.get(), entry));
   return header;
 }
 
 Result<void> read_npz_rows(const LayeredFile& file, std::span<const int> channels, RowTarget& target) {
   const Result<OpenNpz> npz = open_npz(file.path);
   if (!npz) return npz.error();
-  std::int64_t total = 0;
-  for (const Entry& entry : npz->pictures) total += entry.layout.channels;
+  std::vector<std::pair<std::size_t, int>> listed;  // picture of each channel, and which one of its channels it is
+  for (std::size_t k = 0; k < npz->pictures.size(); ++k)
+    for (int c = 0; c < int(npz->pictures[k].layout.channels); ++c) listed.emplace_back(k, c);
   if (npz->pictures[0].layout.width != file.width || npz->pictures[0].layout.height != file.height ||
-      total != std::int64_t(file.channels.size()))
+      listed.size() != file.channels.size())
     return changed_file(file);
   // A compressed array can only be read from its start, so requested arrays are in memory.
   const std::size_t count = npz->pictures.size();
@@ -420,12 +429,15 @@ Result<void> read_npz_rows(const LayeredFile& file, std::span<const int> channel
   std::vector<Source> sources(count);
   std::vector<const Source*> from;
   std::vector<int> own_channels;
-  for (int channel : channels) {
-    std::size_t k = 0;
-    for (; channel >= npz->pictures[k].layout.channels; ++k) channel -= int(npz->pictures[k].layout.channels);
+  double bytes = 0.0;
+  for (const int requested : channels) {
+    const auto [k, channel] = listed[std::size_t(requested)];
     const Entry& entry = npz->pictures[k];
     if (contents[k].empty()) {
-      contents[k] = inflate(npz->zip.get(), entry, entry.size);
+      bytes += double(entry.size);
+      if (auto fits = check_memory(file.path, bytes); !fits) return fits;
+      contents[k] = inflate(file.path, npz->zip.get(), entry, entry.size);
+      if (auto in_time = check_reading_time(file.path); !in_time) return in_time;
       if (std::int64_t(contents[k].size()) < entry.size)
         return file_error("'{}' cannot be read: its array '{}' is damaged", file.path.string(), entry.name);
       sources[k] = {entry.array, entry.layout, bytes_of(contents[k])};

@@ -31,10 +31,13 @@ LayeredFile display_header(int width, int height, int channels) {
 struct Jpeg {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr manager{};
+  jpeg_progress_mgr progress{};
   std::jmp_buf jump{};
   char text[JMSG_LENGTH_MAX] = "";
   bool warned = false;
+  fs::path file;
   InputFile stream;
+  std::optional<Error> limit;  // that the file exceeds
   ~Jpeg() { jpeg_destroy_decompress(&jpeg); }
 };
 
@@ -52,6 +55,17 @@ void on_message(j_common_ptr common, int level) {
   (*own->manager.format_message)(common, own->text);
 }
 
+/// Ends reading that takes too long. Called for each row of blocks, in each scan of a progressive file.
+void on_progress(j_common_ptr common) {
+  auto* own = static_cast<Jpeg*>(common->client_data);
+  constexpr int kMaxScans = 64;  // ten are usual
+  if (own->jpeg.input_scan_number > kMaxScans)
+    own->limit = file_error("'{}' has more than {} scans, which are too many", own->file.string(), kMaxScans);
+  else if (auto in_time = check_reading_time(own->file); !in_time)
+    own->limit = in_time.error();
+  if (own->limit) std::longjmp(own->jump, 1);
+}
+
 bool start(Jpeg& own) {
   own.jpeg.err = jpeg_std_error(&own.manager);
   own.manager.error_exit = on_decoding_error;
@@ -59,6 +73,8 @@ bool start(Jpeg& own) {
   own.jpeg.client_data = &own;
   if (setjmp(own.jump)) return false;
   jpeg_create_decompress(&own.jpeg);
+  own.progress.progress_monitor = on_progress;
+  own.jpeg.progress = &own.progress;
   jpeg_stdio_src(&own.jpeg, own.stream.get());
   jpeg_read_header(&own.jpeg, TRUE);
   own.jpeg.out_color_space = own.jpeg.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;
@@ -77,6 +93,7 @@ bool read_row(Jpeg& own, JSAMPROW row) {
 }
 
 Error jpeg_error(const fs::path& file, const Jpeg& own) {
+  if (own.limit) return *own.limit;
   return file_error("'{}' cannot be read as JPEG: {}", file.string(),
                     own.text[0] ? printable(own.text) : "it is damaged");
 }
@@ -86,6 +103,7 @@ Result<void> open(const fs::path& file, Jpeg& own) {
   Result<InputFile> stream = open_to_read(file, size);
   if (!stream) return stream.error();
   own.stream = std::move(*stream);
+  own.file = file;
   if (!start(own)) return jpeg_error(file, own);
   if (auto status = check_size(file, own.jpeg.image_width, own.jpeg.image_height); !status) return status;
   const std::int64_t blocks = std::int64_t(own.jpeg.image_width) * own.jpeg.image_height / 64;
@@ -105,6 +123,9 @@ Result<LayeredFile> read_jpeg_header(const fs::path& file) {
 Result<void> read_jpeg_rows(const LayeredFile& file, std::span<const int> channels, RowTarget& target) {
   Jpeg own;
   if (auto opened = open(file.path, own); !opened) return opened;
+  const double values = double(file.width) * file.height * own.jpeg.num_components;
+  if (jpeg_has_multiple_scans(&own.jpeg))  // all coefficients are in memory
+    if (auto fits = check_memory(file.path, values * sizeof(JCOEF)); !fits) return fits;
   if (!decompress(own)) return jpeg_error(file.path, own);
   const int count = own.jpeg.output_components;
   if (int(own.jpeg.output_width) != file.width || int(own.jpeg.output_height) != file.height ||
@@ -149,6 +170,8 @@ Result<void> read_webp_rows(const LayeredFile& file, std::span<const int> channe
   const auto bytes = whole_file(file.path);
   if (!bytes) return bytes.error();
   const int count = int(file.channels.size());
+  constexpr double kBytes = 4.0 + 4.0;  // of a pixel, and of one within the library
+  if (auto fits = check_memory(file.path, kBytes * file.width * file.height); !fits) return fits;
   int width = 0, height = 0;
   const auto decode = count == 4 ? WebPDecodeRGBA : WebPDecodeRGB;
   const std::unique_ptr<std::uint8_t, void (*)(void*)> pixels(decode(bytes->data(), bytes->size(), &width, &height),

@@ -166,7 +166,8 @@ bool start(PngReader& reader, std::FILE* stream) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_structp png = reader.png;
   png_init_io(png, stream);
-  png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // check_sides applies the limits
+  png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);             // check_sides applies the limits
+  png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // texts and profiles, which may be bombs
   png_read_info(png, reader.info);
   reader.width = int(png_get_image_width(png, reader.info));
   reader.height = int(png_get_image_height(png, reader.info));
@@ -191,12 +192,6 @@ bool expand(PngReader& reader) {
 bool read_row(PngReader& reader, png_bytep row) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_read_row(reader.png, row, nullptr);
-  return true;
-}
-
-bool read_all(PngReader& reader, png_bytepp rows) {
-  if (setjmp(png_jmpbuf(reader.png))) return false;
-  png_read_image(reader.png, rows);
   return true;
 }
 
@@ -247,10 +242,13 @@ Result<void> read_png_rows(const LayeredFile& file, std::span<const int> channel
   std::vector<png_byte> whole;
   if (reader.is_interlaced) {
     if (auto fits = check_size(file.path, reader.width, reader.height); !fits) return fits;
+    if (auto fits = check_memory(file.path, double(reader.row_bytes) * reader.height); !fits) return fits;
     whole.resize(reader.row_bytes * std::size_t(reader.height));
-    std::vector<png_bytep> rows;
-    for (int y = 0; y < reader.height; ++y) rows.push_back(whole.data() + std::size_t(y) * reader.row_bytes);
-    if (!read_all(reader, rows.data())) return read_error(file.path, reader);
+    for (int i = 0; i < PNG_INTERLACE_ADAM7_PASSES * reader.height; ++i) {
+      if (auto in_time = check_reading_time(file.path); !in_time) return in_time;
+      if (!read_row(reader, whole.data() + std::size_t(i % reader.height) * reader.row_bytes))
+        return read_error(file.path, reader);
+    }
   }
   const SampleType type{SampleKind::kUnsigned, reader.bits / 8, false};
   std::vector<png_byte> row(reader.row_bytes);

@@ -213,28 +213,39 @@ bool is_omitted(TIFF* tiff, std::uint32_t strile) {
 Result<void> read_strips(const LayeredFile& file, TiffReader& reader, std::span<const int> channels, float no_data,
                          RowTarget& target) {
   const int samples = reader.is_planar() ? 1 : reader.samples;
-  // The library decodes the rows of a strip one after the other. Therefore each plane has its own file object.
+  // The library decodes the rows of a strip one after the other. Therefore each plane has its own file object, with its
+  // own tables of positions and sizes, unless blocks consist of whole strips.
+  constexpr std::uint32_t kFewRows = 16;
+  const bool by_planes = reader.is_planar() && reader.rows_per_strip <= kFewRows;
+  const bool is_separate = reader.is_planar() && !by_planes;
   std::vector<std::unique_ptr<TiffReader>> planes;
-  for (std::size_t c = 1; reader.is_planar() && c < channels.size(); ++c) {
+  for (std::size_t c = 1; is_separate && c < channels.size(); ++c) {
+    constexpr double kMaxTables = 1e9;  // bytes
+    if (2.0 * sizeof(std::uint64_t) * TIFFNumberOfStrips(reader.tiff.get()) * double(c) > kMaxTables)
+      return file_error("'{}' has too many strips in {} planes", file.path.string(), channels.size());
+    if (auto in_time = check_reading_time(file.path); !in_time) return in_time;
     planes.push_back(std::make_unique<TiffReader>());
     if (auto opened = open(file.path, *planes.back()); !opened) return opened;
   }
   std::vector<unsigned char> row(std::size_t(TIFFScanlineSize64(reader.tiff.get())));
-  return target.each_block(1, [&](int first, int end) -> Result<void> {
-    for (int y = first; y < end; ++y)
-      for (std::size_t c = 0; c < channels.size(); ++c) {
-        TiffReader& from = reader.is_planar() && c > 0 ? *planes[c - 1] : reader;
-        const auto plane = std::uint16_t(reader.is_planar() ? channels[c] : 0);
-        float* out = target.row(int(c), y);
-        if (is_omitted(from.tiff.get(), TIFFComputeStrip(from.tiff.get(), std::uint32_t(y), plane))) {
-          std::fill_n(out, file.width, no_data);
-          continue;
-        }
-        const bool is_read = !reader.is_planar() && c > 0;
-        if (!is_read && TIFFReadScanline(from.tiff.get(), row.data(), std::uint32_t(y), plane) < 0)
-          return damaged_pixels(file.path, "row", y);
-        convert(reader, row.data(), reader.is_planar() ? 0 : channels[c], samples, file.width, out);
+  return target.each_block(by_planes ? int(reader.rows_per_strip) : 1, [&](int first, int end) -> Result<void> {
+    const int rows = end - first, count = int(channels.size());
+    for (int i = 0; i < rows * count; ++i) {
+      // One row of all channels after the other, or all rows of one plane after the other.
+      const int y = first + (by_planes ? i % rows : i / count);
+      const auto c = std::size_t(by_planes ? i / rows : i % count);
+      TiffReader& from = is_separate && c > 0 ? *planes[c - 1] : reader;
+      const auto plane = std::uint16_t(reader.is_planar() ? channels[c] : 0);
+      float* out = target.row(int(c), y);
+      if (is_omitted(from.tiff.get(), TIFFComputeStrip(from.tiff.get(), std::uint32_t(y), plane))) {
+        std::fill_n(out, file.width, no_data);
+        continue;
       }
+      const bool is_read = !reader.is_planar() && c > 0;
+      if (!is_read && TIFFReadScanline(from.tiff.get(), row.data(), std::uint32_t(y), plane) < 0)
+        return damaged_pixels(file.path, "row", y);
+      convert(reader, row.data(), reader.is_planar() ? 0 : channels[c], samples, file.width, out);
+    }
     return {};
   });
 }

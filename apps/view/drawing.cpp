@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <nlohmann/json.hpp>
 
 #include "core/guarded.h"
@@ -100,6 +101,7 @@ void Drawing::close(PageId id) {
 std::optional<Drawing::Task> Drawing::next_task() {
   std::optional<Task> best;
   const auto consider = [&](PageId id, const Page& page) {
+    if (page.state && reading_.contains(page.state->model)) return;
     if (page.pick && page.state && (!best || best->step != Step::kPick))
       best = Task{.page = id, .state = page.state, .step = Step::kPick, .pick = *page.pick};
     if (page.unacknowledged.size() >= kMaxUnacknowledged) return;
@@ -154,10 +156,38 @@ bool Drawing::is_turn_over(const Task& task) {
 
 void Drawing::run() {
   std::unique_lock lock(mutex_);
+  draw_until(lock, [&] { return stopping_; });
+}
+
+void Drawing::read_aside(int model, const std::function<void()>& read) {
+  bool is_read = false;
+  std::exception_ptr failure;
+  std::unique_lock lock(mutex_);
+  std::thread reader([&] {
+    try {
+      read();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const std::lock_guard own(mutex_);
+    is_read = true;
+    changed_.notify_all();
+  });
+  reading_.insert(model);
+  const auto begin = task_begin_;
+  draw_until(lock, [&] { return is_read; });
+  task_begin_ = begin;
+  reading_.erase(model);
+  lock.unlock();
+  reader.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+void Drawing::draw_until(std::unique_lock<std::mutex>& lock, const std::function<bool()>& ends) {
   for (;;) {
     std::optional<Task> task;
-    changed_.wait(lock, [&] { return stopping_ || (task = next_task()); });
-    if (stopping_) return;
+    changed_.wait(lock, [&] { return ends() || (!stopping_ && (task = next_task())); });
+    if (ends()) return;
     last_page_ = task->page;
     if (task->step == Step::kPick) pages_[task->page].pick.reset();
     lock.unlock();
@@ -271,7 +301,8 @@ Result<ModelList::Loaded> Drawing::load(const Task& task, const Request& request
     const std::string message = fmt::format("{}; the model that was read before is shown", error.message);
     send_.text(task.page, error_text(with_option_names(message)));
   };
-  auto loaded = models_.loaded(task.state->model, request, begin, keep, report);
+  const auto aside = [&](const std::function<void()>& read) { read_aside(task.state->model, read); };
+  auto loaded = models_.loaded(task.state->model, request, begin, keep, report, aside);
   if (has_read) send_.text(task.page, status_text(task.state->id, ""));
   return loaded;
 }

@@ -104,6 +104,10 @@ class Drawing {
 
   Drawing(DrawingSettings settings, Send send) : settings_(std::move(settings)), send_(std::move(send)) {}
   void run();
+  /// Draws pictures until `ends` holds. `lock` is of `mutex_`, under which `ends` is called.
+  void draw_until(std::unique_lock<std::mutex>& lock, const std::function<bool()>& ends);
+  /// Runs `read`, the reading of a model, on a thread of its own; meanwhile draws pictures of other models.
+  void read_aside(int model, const std::function<void()>& read);
   void watch();
   std::optional<Task> next_task();
   /// Begins to draw a view of a page. `mutex_` must be locked.
@@ -146,10 +150,11 @@ class Drawing {
   std::string description_;
   ModelList models_;
 
-  std::mutex mutex_;  // guards pages_, last_page_, last_frame_ and stopping_
+  std::mutex mutex_;  // guards pages_, reading_, last_page_, last_frame_ and stopping_
   std::condition_variable changed_;
   std::map<PageId, Page> pages_;
-  PageId last_page_ = 0;  // that got the last picture
+  std::set<int> reading_;  // models that are being read
+  PageId last_page_ = 0;   // that got the last picture
   std::int64_t last_frame_ = 0;
   bool stopping_ = false;
   std::atomic<long> drawn_ = 0;

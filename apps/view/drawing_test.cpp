@@ -395,6 +395,29 @@ TEST(Drawing, PagesShareTheDevice) {
   EXPECT_FALSE(pages.frame([](const Received& f) { return f.page == 1; }, count).image.empty()) << "goes on";
 }
 
+TEST(Drawing, OtherModelsAreDrawnWhileOneIsRead) {
+  // The text is read for longer than a small scene is drawn.
+  const fs::path slow = temporary("slow.asc");
+  {
+    std::ofstream text(slow);
+    text << "ncols 2000\nnrows 2000\ncellsize 1\n";
+    for (int y = 0; y < 2000; ++y) {
+      std::string row;
+      for (int x = 0; x < 2000; ++x) row += char('1' + (x * x / 900 + y) % 7), row += ".0625 ";
+      text << row;
+    }
+  }
+  Pages pages({{slow.string(), "slow", true}, kSolids});
+  pages.drawing().set_state(1, state_of(1, false));
+  ASSERT_FALSE(pages.text("status", "reading slow").is_null());
+  State other = state_of(2, false);
+  other.model = 1;
+  pages.drawing().set_state(2, other);
+  EXPECT_FALSE(pages.frame([](const Received& f) { return f.page == 2 && is_exact(f); }).header.is_null());
+  for (const Received& frame : pages.frames()) EXPECT_EQ(frame.page, 2) << "the model was read before the other one";
+  EXPECT_FALSE(pages.frame([](const Received& f) { return f.page == 1; }).header.is_null());
+}
+
 TEST(Drawing, ErrorsNameOptions) {
   Pages pages({kSolids, {"/nowhere/model.obj", "model.obj", false}});
   pages.drawing().set_state(kPage, state_of(3, false, {{"look", {"nothing"}}}));

@@ -48,7 +48,8 @@ ModelList::Stamp ModelList::stamp_of(const std::string& file) {
 
 Result<ModelList::Loaded> ModelList::loaded(int id, const Request& request, const std::function<void()>& before_load,
                                             const std::function<void(const Error&)>& keep,
-                                            const ProgressMonitor& monitor) {
+                                            const ProgressMonitor& monitor,
+                                            const std::function<void(const std::function<void()>&)>& aside) {
   std::unique_lock lock(mutex_);
   Entry& entry = *entries_[std::size_t(id)];
   const bool serves = entry.model && entry.model->is_loaded_for(request);
@@ -60,13 +61,14 @@ Result<ModelList::Loaded> ModelList::loaded(int id, const Request& request, cons
   lock.unlock();
   before_load();
   const Stamp stamp = stamp_of(entry.source.file);
-  auto model = ViewModel::load(entry.source.file, entry.source.is_gbuffer, request, monitor);
+  Result<std::unique_ptr<ViewModel>> model = interrupted();
+  aside([&] { model = ViewModel::load(entry.source.file, entry.source.is_gbuffer, request, monitor); });
   if (!model && model.error().kind == ErrorKind::kInterrupted) return model.error();
   lock.lock();
   const bool has_changed = std::exchange(entry.has_changed, false);
   entry.stamp = entry.seen = stamp;
   if (!model) {
-    if (!serves) return model.error();
+    if (!serves || !entry.model) return model.error();
     lock.unlock();
     keep(model.error());
     return Loaded{entry.model.get(), entry.version};

@@ -90,8 +90,17 @@ constexpr std::size_t kBlockSize = std::size_t(8) << 20;
 bool is_gzip(std::string_view bytes) { return bytes.starts_with(kMagic); }
 
 Result<std::string> inflated(std::string_view bytes, const std::string& file, Poll* poll, double memory) {
+  const Bound max = bound_of(bytes.size(), memory);
   std::string content;
-  const auto size = inflate_members(bytes, file, bound_of(bytes.size(), memory), poll, [&] {
+  constexpr std::size_t kMinMeasured = std::size_t(1) << 20;
+  if (bytes.size() > kMinMeasured) {
+    // Memory for content that is refused, or that is copied as it grows, takes several times as long as to inflate it.
+    std::vector<char> block(kBlockSize);
+    const auto measured = inflate_members(bytes, file, max, poll, [&] { return std::span(block); });
+    if (!measured) return measured.error();
+    content.reserve(*measured + kBlockSize);
+  }
+  const auto size = inflate_members(bytes, file, max, poll, [&] {
     const std::size_t used = content.size();
     if (content.capacity() < used + kBlockSize) content.reserve(2 * used + kBlockSize);
     content.resize(used + kBlockSize);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "archives.h"
 #include "system/machine.h"
 
@@ -30,6 +32,18 @@ TEST(Gzip, SizeIsThatOfAllMembers) {
   const std::string large(std::size_t(20) << 20, 'y');
   EXPECT_EQ(*inflated_size(gzip_of("abc") + gzip_of(large) + gzip_of(""), "a.gz"), large.size() + 3);
   EXPECT_EQ(inflated(gzip_of("abc") + gzip_of(large), "a.gz")->substr(0, 4), "abcy");
+}
+
+TEST(Gzip, LargeFilesAreMeasuredBeforeMemoryIsTaken) {
+  // Of two megabytes, most of them random.
+  std::mt19937 random(1);
+  std::string content(std::size_t(9) << 20, 'y');
+  for (std::size_t k = 0; k < std::size_t(2) << 20; ++k) content[k] = char(random());
+  const std::string bytes = gzip_of(content);
+  const auto read = inflated(bytes, "a.obj.gz");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(*read == content);
+  EXPECT_LT(read->capacity(), content.size() + (std::size_t(9) << 20)) << "it was copied as it grew";
 }
 
 TEST(Memory, IsKnown) {

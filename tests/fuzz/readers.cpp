@@ -21,6 +21,7 @@
 #include "gbuffers/packing.h"
 #include "generators/builtin.h"
 #include "importer/importer.h"
+#include "io/format.h"
 #include "io/image_file.h"
 #include "io/layers.h"
 #include "scene/finish.h"
@@ -218,6 +219,20 @@ void read_as_content(std::string_view bytes) {
   expect(printable(text) == text, "a printable text is not printable");
 }
 
+/// Recognises what image files hold, as `umbrage info` does, within limits that suit small files.
+void read_as_info(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  constexpr double kSeconds = 2.0, kMemory = 5e8;
+  const ReadingLimits limits(kSeconds, kMemory);
+  GBufferSettings settings;
+  settings.file = file.path.string();
+  const auto facts = describe_gbuffer(settings);
+  if (!facts)
+    return check(facts.error(), facts.error().kind == ErrorKind::kUsage ? ErrorKind::kUsage : ErrorKind::kFile);
+  for (const std::vector<std::string>& texts : {facts->lines, facts->warnings, facts->layers})
+    for (const std::string& text : texts) expect(text.find('\n') == std::string::npos, text);
+}
+
 void read_as_texture(std::string_view bytes) {
   const auto* start = reinterpret_cast<const std::uint8_t*>(bytes.data());
   const Result<Texture> texture = decode_texture({start, bytes.size()}, "a texture");
@@ -371,6 +386,7 @@ constexpr Reader kReaders[] = {
     {"gbuffer", read_as_gbuffer, gbuffer_seeds, false},
     {"content", read_as_content, content_seeds, false},
     {"layers-picture", read_as_layers, picture_seeds, true},
+    {"info", read_as_info, info_seeds, true},
     {"texture", read_as_texture, texture_seeds, true},
     {"gltf", import_as<kGltf>, gltf_seeds, true},
     {"glb", import_as<kGlb>, glb_seeds, true},

@@ -44,6 +44,7 @@ Seeds array_seeds();
 Seeds gbuffer_seeds();
 Seeds content_seeds();
 Seeds picture_seeds();
+Seeds info_seeds();
 Seeds texture_seeds();
 Seeds setting_seeds();
 Seeds scene_name_seeds();

@@ -433,6 +433,13 @@ Seeds radiance_seeds() {
 
 Seeds pfm_seeds() { return {image_bytes("pfm", small_image({"grey"})), "PF\n1 1\n1.0\n" + bytes_of(1.f, 2.f, 3.f)}; }
 
+Seeds info_seeds() {
+  Seeds all;
+  for (const auto seeds : {exr_seeds, tiff_seeds, array_seeds, picture_seeds})
+    for (std::string& seed : seeds()) all.push_back(std::move(seed));
+  return all;
+}
+
 Seeds texture_seeds() {
   const std::string bmp = "BM" +
                           bytes_of(58u, 0u, 54u, 40u, 1, 1, std::uint16_t(1), std::uint16_t(24), 0u, 4u, 0, 0, 0u, 0u) +
