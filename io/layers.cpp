@@ -70,8 +70,8 @@ Result<void> check_request(const LayeredFile& file, std::span<const int> channel
   for (const int channel : channels)
     if (channel < 0 || std::size_t(channel) >= file.channels.size())
       return file_error("'{}' has no channel {}: it has {}", file.path.string(), channel, file.channels.size());
-  // Pictures have up to a hundred values per byte; those of one colour have 1032, the best ratio of Deflate.
-  constexpr std::int64_t kMaxEmpty = std::int64_t(1) << 27, kMaxRatio = 64, kMaxPerByte = 512;
+  // Pictures have up to a hundred values per byte, those of one colour 1032: with 16384 x 16384 pixels they are read.
+  constexpr std::int64_t kMaxEmpty = std::int64_t(1) << 27, kMaxRatio = 64, kMaxPerByte = 640;
   const std::int64_t count = std::int64_t(channels.size()), values = count * file.width * file.height;
   const std::int64_t stored =
       count * std::max(file.data.x1 - file.data.x0, 0) * std::max(file.data.y1 - file.data.y0, 0);
