@@ -20,8 +20,8 @@ inline std::size_t utf8_length(std::string_view text, std::size_t at) {
   return length > 0 && second >= min && second <= max ? length : 0;
 }
 
-/// Returns the text with a blank in place of each control character (C0, DEL and C1), and U+FFFD in place of each byte
-/// that is not UTF-8.
+/// Returns the text with blanks in place of the bytes of control characters (C0, DEL and C1), and U+FFFD in place of
+/// each byte that is not UTF-8.
 inline std::string printable(std::string_view text) {
   std::string out;
   out.reserve(text.size());
@@ -30,7 +30,10 @@ inline std::string printable(std::string_view text) {
     const std::string_view character = text.substr(at, length);
     const bool is_c1 = length == 2 && character < "\xc2\xa0";
     const bool is_control = is_c1 || character == "\x7f" || (length == 1 && (unsigned char)(character[0]) < ' ');
-    out += length == 0 ? std::string_view("\xef\xbf\xbd") : is_control ? " " : character;
+    if (is_control)
+      out.append(length, ' ');
+    else
+      out += length == 0 ? "\xef\xbf\xbd" : character;
     at += length == 0 ? 1 : length;
   }
   return out;

@@ -30,13 +30,13 @@ void share_origin(Scene& a, Scene& b) {
 /// Returns whether two models hardly belong to one scene.
 bool are_unrelated(const Scene& a, const Scene& b) {
   constexpr double kMaxRatio = 100.0;  // of sizes; the smaller one is a few pixels of the picture
+  constexpr double kMaxGap = 10.0;     // in units of their size; each is less than a tenth of the picture
   const double radius_a = a.radius(), radius_b = b.radius();
   const glm::dvec3 shift = b.origin - a.origin;
   const glm::dvec3 low_b = glm::dvec3(b.bounds_min) + shift, high_b = glm::dvec3(b.bounds_max) + shift;
   const glm::dvec3 gap =
       glm::max(glm::max(low_b - glm::dvec3(a.bounds_max), glm::dvec3(a.bounds_min) - high_b), glm::dvec3(0.0));
-  // Parts of one scene are rarely farther apart than they are large.
-  return glm::length(gap) > radius_a + radius_b ||
+  return glm::length(gap) > kMaxGap * (radius_a + radius_b) ||
          std::max(radius_a, radius_b) > kMaxRatio * std::min(radius_a, radius_b);
 }
 

@@ -280,6 +280,13 @@ TEST_F(Cli, SeveralModelsShareOnePicture) {
   for (int y = 0; y < 60; ++y)
     for (int x = 0; x < 200; ++x) ids.insert(picture.plane("object_id").at(x, y));
   EXPECT_EQ(ids, (std::set<float>{-1.0f, 0.0f, 1.0f}));
+  write("far.obj", "v 500 0 0\nv 501 0 0\nv 500 1 0\nf 1 2 3\n");
+  write("large.obj", "v -200 -200 0\nv 200 -200 0\nv 0 200 0\nf 1 2 3\n");
+  for (const char* unrelated : {"far.obj", "large.obj"}) {
+    const Outcome outcome = run(fmt::format("tri.obj {} -o out.png{}", unrelated, kSmall));
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_NE(outcome.err.find("--same-view"), std::string::npos) << unrelated << ": " << outcome.err;
+  }
 }
 
 TEST_F(Cli, NamesMayHaveSpacesAndQuotes) {

@@ -48,15 +48,16 @@ TEST_F(Manners, LimitsOfTheSystemAreNamed) {
   refused("TMPDIR=/missing; " + draw + " - <tri.obj", 3, "temporary files, '/missing'");
   refused("TMPDIR=/missing; timeout 5 $UMBRAGE view tri.obj --no-open", 3, "temporary files, '/missing'");
   // A reader in another process needs more files than may be open.
-  const Outcome few = shell("ulimit -n 6; cp tri.obj tri.3ds; $UMBRAGE info tri.3ds; code=$?; rm tri.3ds; exit $code");
+  write("empty.gltf", "{}");
+  const Outcome few = shell("ulimit -n 6; $UMBRAGE info empty.gltf");
   EXPECT_EQ(few.code, 3);
   EXPECT_NE(few.err.find("Too many open files"), std::string::npos) << few.err;
 }
 
 TEST_F(Manners, NamesAreCleanedInMessages) {
-  const Outcome outcome = shell("cp tri.obj $'a\\e[2J\\n\\xff.obx'; $UMBRAGE info $'a\\e[2J\\n\\xff.obx'");
+  const Outcome outcome = shell("$UMBRAGE info $'a\\e[2J\\n\\xff.obj'");
   EXPECT_EQ(outcome.code, 3);
-  EXPECT_NE(outcome.err.find("'a [2J \xef\xbf\xbd.obx'"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("'a [2J \xef\xbf\xbd.obj'"), std::string::npos) << outcome.err;
 }
 
 TEST_F(Manners, ReadsAModelFromStandardInput) {

@@ -223,12 +223,16 @@ TEST_F(SequenceTest, TurntablesAreSequencesToo) {
   for (int frame = 0; frame < 5; ++frame)
     EXPECT_EQ(text_of(folder_ / fmt::format("part.{:02}.png", frame)),
               text_of(folder_ / fmt::format("whole.{:02}.png", frame)));
-  write("part.01.png", "finished");
+  std::string marked = text_of(folder_ / "part.01.png");  // of the same size, so that it counts as finished
+  marked.back() ^= 1;
+  write("part.01.png", marked);
   fs::remove(folder_ / "part.04.png");
   EXPECT_EQ(run(line + "-o part.##.png").err,
             "umbrage: 4 of 5 frames are there already; --overwrite makes them again\n");
-  EXPECT_EQ(text_of(folder_ / "part.01.png"), "finished");
+  EXPECT_EQ(text_of(folder_ / "part.01.png"), marked);
   EXPECT_EQ(text_of(folder_ / "part.04.png"), text_of(folder_ / "whole.04.png"));
+  EXPECT_EQ(run(line + "-o part.##.png").err,
+            "umbrage: 5 of 5 frames are there already; --overwrite makes them again\n");
   good(line + "-o part.##.png --overwrite");
   EXPECT_EQ(text_of(folder_ / "part.01.png"), text_of(folder_ / "whole.01.png"));
   for (const char* option : {"--shard 1/2", "--overwrite"}) {

@@ -56,7 +56,8 @@ double difference(const Image& a, const Image& b) {
 TEST_F(TurntableTest, WritesNumberedPictures) {
   good(kSolids + "--quality draft -o one.png");
   const Outcome outcome = good(kSolids + "--quality draft -o turn.png --turntable 3 --json");
-  EXPECT_EQ(names(), (std::set<std::string>{"one.png", "turn_0000.png", "turn_0001.png", "turn_0002.png"}));
+  EXPECT_EQ(names(),
+            (std::set<std::string>{"one.png", "turn.frames", "turn_0000.png", "turn_0001.png", "turn_0002.png"}));
   EXPECT_EQ(text_of(folder_ / "turn_0000.png"), text_of(folder_ / "one.png"));
   const Image a = image("turn_0000.png"), b = image("turn_0001.png"), c = image("turn_0002.png");
   EXPECT_EQ(b.width, 64);
@@ -74,7 +75,7 @@ TEST_F(TurntableTest, WritesNumberedPictures) {
   good(kSolids + "--look ao -o plane.exr --passes depth,normal --turntable 2");
   for (const char* name : {"a000.png", "a001.png", "b%0.png", "plane_0000.exr", "plane_0001.exr"})
     EXPECT_TRUE(names().count(name)) << name;
-  EXPECT_EQ(names().size(), 9u);
+  EXPECT_EQ(names().size(), 13u) << "pictures and four records of frames";
   EXPECT_TRUE(image("plane_0001.exr").find("normal.x"));
   // Without --turntable, % has no special meaning.
   good(kSolids + "--look ao -o c%03d.png");

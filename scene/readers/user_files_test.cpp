@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
+#include "core/printable.h"
 #include "file_folder.h"
 #include "scene/readers/import.h"
 #include "scene/readers/vertex_colors.h"
@@ -389,7 +390,7 @@ TEST_F(UserFiles, TextsForTerminalsHaveNoControlCharacters) {
       "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,"
       "\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
       "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]}");
-  EXPECT_TRUE(contains(error, clean)) << error;
+  EXPECT_TRUE(contains(printable(error), clean)) << error;
 }
 
 TEST_F(UserFiles, PointsWithDecimalCommasOrAWrongCount) {
