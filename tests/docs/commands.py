@@ -153,6 +153,8 @@ def outputs(command):
         return []
     words = shlex.split(command.split(" | ")[0])
     named = [words[i + 1] for i, word in enumerate(words[:-1]) if word in ("-o", "--output", "--svg", "--contact-sheet", ">")]
+    model = next((pathlib.PurePath(word).stem for word in words[1:] if "." in word), "")
+    named = [name.replace("{stem}", model) for name in named]
     return [[re.sub(r"%0?\d*d|#+", "*", name), re.sub(r"(\.\w+)$", r"_*\1", name)] for name in named if name != "-"]
 
 
