@@ -6,7 +6,8 @@ import unittest
 from typing import Set
 
 import umbrage
-from umbrage._lists import KEYWORDS, keywords_of
+from umbrage._lists import keywords_of
+from umbrage._native import KEYWORDS
 
 ROOT = pathlib.Path(__file__).parents[2]
 RENDER, SHADE, SCENE = (set(umbrage.parameters(owner)) for owner in ("render", "shade", "scene"))

@@ -7,6 +7,7 @@ from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tu
 
 from . import _native as native
 from ._errors import UsageError
+from ._native import KEYWORDS
 from ._suggest import shown, suggestion
 
 
@@ -124,23 +125,6 @@ def known_parameters(owner: str) -> Dict[str, Parameter]:
     if owner not in _KNOWN:
         _KNOWN[owner] = parameters(owner)
     return _KNOWN[owner]
-
-
-# The keyword of each parameter of the library that has another name in this package; `file` is the first argument.
-KEYWORDS = {
-    "width": "size",
-    "height": "size",
-    "file": "",
-    "depth_file": "depth",
-    "normal_file": "normal",
-    "albedo_file": "albedo",
-    "beauty_file": "beauty",
-    "position_file": "position",
-    "id_file": "object_id",
-    "near_plane": "near",
-    "far_plane": "far",
-    "fov_deg": "fov",
-}
 
 
 def keywords_of(function: Callable[..., Any]) -> List[str]:

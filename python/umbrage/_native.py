@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 import types
 from ctypes import (
     CFUNCTYPE,
@@ -227,8 +228,29 @@ def _after_fork() -> None:
 os.register_at_fork(after_in_child=_after_fork)
 
 
-def _text(message: Optional[bytes]) -> str:
-    return (message or b"").decode("utf-8", "replace")
+# The keyword of each parameter of the library that has another name in this package; `file` is the first argument.
+KEYWORDS: Dict[str, str] = {
+    "width": "size",
+    "height": "size",
+    "file": "",
+    "depth_file": "depth",
+    "normal_file": "normal",
+    "albedo_file": "albedo",
+    "beauty_file": "beauty",
+    "position_file": "position",
+    "id_file": "object_id",
+    "near_plane": "near",
+    "far_plane": "far",
+    "fov_deg": "fov",
+}
+
+
+def text_of(message: Optional[bytes]) -> str:
+    """Decodes a text of the library, with keywords of this package in place of its parameters in backquotes, except
+    `width` and `height`, the two numbers of `size`."""
+    text = (message or b"").decode("utf-8", "replace")
+    names = {name: keyword for name, keyword in KEYWORDS.items() if keyword not in ("", "size")}
+    return re.sub(r"`(\w+)`", lambda found: f"`{names.get(found[1], found[1])}`", text)
 
 
 def bytes_of(text: Any, name: str) -> bytes:
@@ -258,7 +280,7 @@ def _taken(code: int, take: Callable[..., int], *handle: Optional[int]) -> Excep
         taken = lib.umbGetError(ctypes.byref(message))
     if taken == 0 or code not in (0, taken):
         return error_of(code)
-    return error_of(taken, _text(message.value))
+    return error_of(taken, text_of(message.value))
 
 
 class Handle:
@@ -375,4 +397,4 @@ def names_of(function: Callable[[Optional[int], int], Optional[bytes]], pointer:
         name = function(pointer, len(names))
         if name is None:
             return names
-        names.append(_text(name))
+        names.append(text_of(name))

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 def issue_warnings(texts: List[bytes], depth: int = 4) -> None:
     """Issues the library's warnings as Python warnings."""
     while texts:
-        warnings.warn(texts.pop(0).decode("utf-8", "replace"), UmbrageWarning, stacklevel=depth)
+        warnings.warn(native.text_of(texts.pop(0)), UmbrageWarning, stacklevel=depth)
 
 
 def _are_paths(thing: Any) -> bool:

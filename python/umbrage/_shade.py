@@ -10,7 +10,8 @@ from . import _native as native
 from ._arrays import as_array, image_array, image_of, masked, share_memory, type_number
 from ._errors import UsageError
 from ._job import Job, checked_dtype, requested_outputs
-from ._lists import KEYWORDS, check_keywords, keywords_of
+from ._lists import check_keywords, keywords_of
+from ._native import KEYWORDS
 from ._picture import Picture
 from ._progress import Progress, check_progress
 from ._suggest import shown
