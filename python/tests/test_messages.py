@@ -117,6 +117,7 @@ class Messages(unittest.TestCase):
             (shaded(fov=math.nan), "`fov` cannot be nan: it takes degrees"),
             (shaded(near=[]), r"`near` takes a number, not \[\]"),
             (lambda: umbrage.shade("missing.npy", fov=500), "`fov` cannot be"),
+            (lambda: umbrage.render(SOLIDS, size=(8, 8), device="cpu").save("lines.svg"), "strokes=True"),
             (shaded(window=3), "`window` cannot be '3': it takes 4 numbers"),
             (shaded(orthographic="abc"), "`orthographic` takes True or False, not 'abc'"),
             (shaded(images=3), "`images` takes a dict of arrays by name, not 3"),

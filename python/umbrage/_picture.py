@@ -157,6 +157,8 @@ class Picture:
     def _save_strokes(self, file: bytes) -> None:
         import numpy as np
 
+        if not self.strokes:
+            raise UsageError("the picture has no strokes: draw a look with lines, such as technical, with strokes=True")
         points = [np.ascontiguousarray(stroke.points, dtype=np.float32) for stroke in self.strokes]
         strokes = (native.Stroke * len(points))()
         for each, stroke, array in zip(strokes, self.strokes, points):
