@@ -203,6 +203,11 @@ Result<void> choose_scene(Build& build) {
   if (build.settings.animation_index)
     build.pose = read_animation(file, *build.settings.animation_index, build.nodes.size());
   set_pose(build, double(build.settings.animation_time));
+  if (build.settings.animation_index) {
+    const double end_s = scene.animation_durations_s[std::size_t(*build.settings.animation_index)];
+    if (double(build.settings.animation_time) > end_s)
+      file.warnings.push_back(fmt::format("the animation ends after {:.4g} s; its last pose is drawn", end_s));
+  }
   return {};
 }
 

@@ -214,6 +214,8 @@ TEST_F(GltfTest, AnimatesNodesSkinsAndWeights) {
   EXPECT_TRUE(pose.motion.empty());
   EXPECT_EQ(box_of(at(0, 0.5f)).low.x, 2.0f);
   EXPECT_EQ(box_of(at(0, 9.0f)).low.x, 8.0f) << "after its end";
+  EXPECT_EQ(at(0, 2.0f).warnings, std::vector<std::string>());
+  EXPECT_EQ(at(0, 9.0f).warnings, std::vector<std::string>{"the animation ends after 2 s; its last pose is drawn"});
   EXPECT_EQ(box_of(at(1, 1.9f)).high.x, 1.0f);
   EXPECT_EQ(box_of(at(1, 2.0f)).high.x, 4.0f);
   EXPECT_NEAR(box_of(at(2, 1.0f)).high.y, 2.0f, 1e-5f) << "a quarter turn: x becomes y";
