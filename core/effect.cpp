@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/parameters.h"
 #include "core/lists.h"
+#include "core/parameters.h"
 
 namespace umbrage {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/lists.h"
 #include "core/color.h"
+#include "core/lists.h"
 #include "gbuffers/depth_values.h"
 #include "gbuffers/fit.h"
 #include "gbuffers/roles.h"

@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "core/rows.h"
 #include "core/color.h"
+#include "core/rows.h"
 #include "gbuffers/depth_values.h"
 
 namespace umbrage {

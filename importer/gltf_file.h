@@ -1,5 +1,5 @@
-// A glTF file: its JSON text, its buffers, and what was found wrong with it. Values of a wrong type or out of range never
-// fail: they are counted, and a default is used.
+// A glTF file: its JSON text, its buffers, and what was found wrong with it. Values of a wrong type or out of range
+// never fail: they are counted, and a default is used.
 //
 // The JSON is read with nlohmann/json rather than tinygltf 2.7, which refuses whole files for one wrong property or for
 // the buffers without data of EXT_meshopt_compression, and leaves sparse, quantized and compressed data to its caller.

@@ -1,5 +1,6 @@
 // Parts of glTF files that importer/gltf.cpp leaves to other files: meshes, whose primitives of all modes become
-// triangles or points, morphed, skinned and placed in the world; materials, lights, extensions and compressed primitives.
+// triangles or points, morphed, skinned and placed in the world; materials, lights, extensions and compressed
+// primitives.
 #pragma once
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>

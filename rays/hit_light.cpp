@@ -1,9 +1,9 @@
 #include "rays/hit_light.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <cmath>
 #include <glm/trigonometric.hpp>
 #include <limits>
 

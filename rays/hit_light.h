@@ -1,15 +1,15 @@
-// Traced lights: the lights of a picture in unit space (rays/traced_scene.h), and the samples of a light that rays test.
-// Hit light: the light that the surfaces which rays hit send back along the rays.
+// Traced lights: the lights of a picture in unit space (rays/traced_scene.h), and the samples of a light that rays
+// test. Hit light: the light that the surfaces which rays hit send back along the rays.
 #pragma once
 #include <array>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
-#include <glm/vec2.hpp>
 
 #include "core/light.h"
-#include "rays/ray_packet.h"
 #include "rays/camera_rays.h"
+#include "rays/ray_packet.h"
 #include "rays/traced_scene.h"
 
 namespace umbrage {

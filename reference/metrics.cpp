@@ -3,14 +3,14 @@
 // the columns first, then along the row. Uses double, since variances are small differences of large sums.
 #include "reference/metrics.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
-#include <array>
 
 #include "core/check.h"
 

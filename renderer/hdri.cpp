@@ -11,8 +11,8 @@
 #include <glm/trigonometric.hpp>
 
 #include "core/check.h"
-#include "core/reflection_map.h"
 #include "core/color.h"
+#include "core/reflection_map.h"
 #include "io/format.h"
 #include "scene/readers/import_in_child_process.h"
 #include "scene/readers/texture_file.h"

@@ -6,8 +6,8 @@
 #include <iterator>
 #include <utility>
 
-#include "core/lists.h"
 #include "core/color.h"
+#include "core/lists.h"
 #include "devices/shared/dispatches.h"
 #include "effects/hidden/hidden.h"
 #include "effects/outline/outline.h"

@@ -8,8 +8,8 @@
 #include <optional>
 #include <set>
 
-#include "core/lists.h"
 #include "core/color.h"
+#include "core/lists.h"
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "renderer/passes.h"

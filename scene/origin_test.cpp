@@ -1,15 +1,15 @@
 // Scenes whose files have coordinates too large for floats, also with strays far from the model.
 #include <gtest/gtest.h>
 
-#include <glm/matrix.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 #include "renderer/models.h"
 #include "renderer/options.h"
 #include "renderer/recipe.h"
 #include "scene/framing.h"
-#include "scene/scene.h"
 #include "scene/readers/positions.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 namespace {

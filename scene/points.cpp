@@ -18,10 +18,10 @@
 #include <numbers>
 #include <tuple>
 
-#include "core/parameters.h"
 #include "core/basis.h"
 #include "core/eigen.h"
 #include "core/lists.h"
+#include "core/parameters.h"
 #include "scene/finish.h"
 
 namespace umbrage {

@@ -6,7 +6,6 @@
 #include <glm/common.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-
 namespace umbrage {
 
 float Scene::radius() const {

@@ -45,6 +45,11 @@ fs::path program_on_path() {
 
 }  // namespace
 
+void Descriptor::close() {
+  if (file_ >= 0) ::close(file_);
+  file_ = -1;
+}
+
 fs::path find_helper(const std::string& name) {
   std::vector<fs::path> paths;
   Dl_info module{};

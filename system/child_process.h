@@ -1,12 +1,30 @@
-// Starting of child processes, and the programs that are installed with this one.
+// File descriptors, starting of child processes, and the programs that are installed with this one.
 #pragma once
 #include <sys/types.h>
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace umbrage {
+
+/// A file descriptor, which the destructor closes; -1: none.
+class Descriptor {
+ public:
+  explicit Descriptor(int file = -1) : file_(file) {}
+  Descriptor(Descriptor&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(file_, other.file_);
+    return *this;
+  }
+  ~Descriptor() { close(); }
+  int file() const { return file_; }
+  void close();
+
+ private:
+  int file_;
+};
 
 struct ChildProgram {
   struct File {

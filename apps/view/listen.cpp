@@ -77,10 +77,6 @@ int start_listening(const addrinfo& address, Listening& listening) {
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-  if (file_ >= 0) ::close(file_);
-}
-
 Result<Listening> listen_at(const std::string& host, int port) {
   int failed = 0;
   const Addresses found = resolve(host, port, failed);

@@ -10,26 +10,11 @@
 #include <utility>
 
 #include "core/result.h"
+#include "system/child_process.h"
 
 namespace umbrage::view {
 
 using TimePoint = std::chrono::steady_clock::time_point;
-
-/// A file descriptor, which the destructor closes; -1: none.
-class Descriptor {
- public:
-  explicit Descriptor(int file = -1) : file_(file) {}
-  Descriptor(Descriptor&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(file_, other.file_);
-    return *this;
-  }
-  ~Descriptor();
-  int file() const { return file_; }
-
- private:
-  int file_;
-};
 
 /// A socket that listens at an IPv4 address of this machine, without blocking.
 struct Listening {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "devices/shared/dispatches.h"
 #include "devices/shared/capture_info.h"
+#include "devices/shared/dispatches.h"
 #include "kernel/kernel_frame.h"
 
 namespace umbrage {

@@ -5,10 +5,10 @@
 #include <limits>
 
 #include "core/lists.h"
-#include "rays/extra_cameras.h"
-#include "rays/shadow_lights.h"
 #include "kernels/soften.h"
 #include "kernels/soften_reach.h"
+#include "rays/extra_cameras.h"
+#include "rays/shadow_lights.h"
 
 namespace umbrage {
 namespace {

@@ -8,8 +8,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/parameters.h"
 #include "core/effect.h"
+#include "core/parameters.h"
 #include "effects/hemisphere/sent_planes.h"
 #include "kernels/bitmask_bent.h"
 #include "kernels/bitmask_bleeding.h"

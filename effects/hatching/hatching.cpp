@@ -7,9 +7,9 @@
 #include <glm/mat3x3.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "core/parameters.h"
-#include "core/effect.h"
 #include "core/color.h"
+#include "core/effect.h"
+#include "core/parameters.h"
 #include "effects/hatching/hatching_strokes.h"
 #include "effects/outline/outline_draw.h"
 #include "kernels/hatching_across.h"

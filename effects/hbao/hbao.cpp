@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/parameters.h"
 #include "core/effect.h"
+#include "core/parameters.h"
 #include "kernels/hbao.h"
 
 namespace umbrage {

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <random>
 
-#include "core/parameters.h"
 #include "core/effect.h"
 #include "core/hash.h"
+#include "core/parameters.h"
 #include "effects/hemisphere/layer_views.h"
 #include "effects/hemisphere/sent_planes.h"
 #include "kernels/hemisphere_bleeding.h"

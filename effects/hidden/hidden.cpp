@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/parameters.h"
 #include "core/effect.h"
+#include "core/parameters.h"
 #include "effects/hidden/hidden_lines.h"
 #include "effects/outline/outline_draw.h"
 #include "kernel/kernel_frame.h"

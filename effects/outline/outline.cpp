@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/parameters.h"
 #include "core/effect.h"
+#include "core/parameters.h"
 #include "effects/outline/outline_draw.h"
 #include "kernels/outline_breaks.h"
 #include "kernels/outline_color.h"

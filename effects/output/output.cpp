@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/effect.h"
 #include "core/color.h"
+#include "core/effect.h"
 #include "kernels/output.h"
 #include "kernels/output_beauty.h"
 #include "kernels/output_parts.h"

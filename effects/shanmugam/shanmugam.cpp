@@ -6,9 +6,9 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "core/parameters.h"
 #include "core/effect.h"
 #include "core/gbuffer.h"
+#include "core/parameters.h"
 #include "kernels/shanmugam.h"
 
 namespace umbrage {

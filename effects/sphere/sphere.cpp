@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/parameters.h"
 #include "core/effect.h"
 #include "core/hash.h"
+#include "core/parameters.h"
 #include "kernels/sphere.h"
 
 namespace umbrage {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "core/parameters.h"
 #include "core/effect.h"
 #include "core/light_rig.h"
+#include "core/parameters.h"
 #include "kernels/toon.h"
 #include "kernels/toon_across.h"
 #include "kernels/toon_down.h"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/parameters.h"
 #include "core/effect.h"
+#include "core/parameters.h"
 #include "kernels/traced_across.h"
 #include "kernels/traced_down.h"
 #include "kernels/traced_joints.h"

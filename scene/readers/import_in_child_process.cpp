@@ -30,29 +30,12 @@ namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "umbrage-import";
 
-/// A file descriptor that closes itself.
-struct Descriptor {
-  int number = -1;
-  Descriptor() = default;
-  explicit Descriptor(int number) : number(number) {}
-  Descriptor(Descriptor&& other) noexcept : number(std::exchange(other.number, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(number, other.number);
-    return *this;
-  }
-  ~Descriptor() { close(); }
-  void close() {
-    if (number >= 0) ::close(number);
-    number = -1;
-  }
-};
-
 /// Moves a descriptor to a number that is not one of the child's, so that the child's dup2 calls do not close it.
 Descriptor moved_to_free_number(int number) {
   constexpr int kFirstFree = 10;
   const Descriptor low(number);
   Descriptor moved(number < 0 ? -1 : ::fcntl(number, F_DUPFD_CLOEXEC, kFirstFree));
-  if (moved.number < 0 && errno == EINVAL) errno = EMFILE;  // no more than kFirstFree files may be open (ulimit -n)
+  if (moved.file() < 0 && errno == EINVAL) errno = EMFILE;  // no more than kFirstFree files may be open (ulimit -n)
   return moved;
 }
 
@@ -128,7 +111,7 @@ Result<T> read_in_child_process(const fs::path& file, const std::vector<std::str
   Descriptor reported, done;
   if (::pipe2(pipe_ends, O_CLOEXEC) == 0)
     reported = moved_to_free_number(pipe_ends[0]), done = moved_to_free_number(pipe_ends[1]);
-  if (result.number < 0 || reported.number < 0 || done.number < 0)
+  if (result.file() < 0 || reported.file() < 0 || done.file() < 0)
     return file_error("'{}' cannot be read: {}", file.string(), std::strerror(errno));
   const auto started = std::chrono::steady_clock::now();
   // The child's standard output and error are discarded: users get the returned error instead.
@@ -137,21 +120,21 @@ Result<T> read_in_child_process(const fs::path& file, const std::vector<std::str
                             .files = {{STDIN_FILENO},
                                       {STDOUT_FILENO},
                                       {STDERR_FILENO},
-                                      {kImportResult, result.number},
-                                      {kImportDone, done.number}}};
+                                      {kImportResult, result.file()},
+                                      {kImportDone, done.file()}}};
   pid_t child = 0;
   if (const int failed = start_child(reader, child))
     return file_error("'{}' cannot be read: the program '{}' does not start ({})", file.string(), program.string(),
                       std::strerror(failed));
   done.close();  // now only the child can write to the pipe, so the pipe closes when the child exits
-  const ssize_t byte_count = wait_for_byte(reported.number, poll);
+  const ssize_t byte_count = wait_for_byte(reported.file(), poll);
   if (poll && poll->ended()) {
     ::kill(child, SIGKILL);
     wait_for(child, started);
     return interrupted();
   }
   std::optional<Result<T>> received;
-  if (byte_count == 1) received = receive(result.number);
+  if (byte_count == 1) received = receive(result.file());
   const ChildExit ended = wait_for(child, started);
   if (received) return std::move(*received);
   if (byte_count == 1)

@@ -1,11 +1,11 @@
-// Polygons for readers: triangulation by ear clipping [Meisters 1975], and the texture coordinates, colours and materials
-// that a file gives to faces, or to corners of faces, not to vertices.
+// Polygons for readers: triangulation by ear clipping [Meisters 1975], and the texture coordinates, colours and
+// materials that a file gives to faces, or to corners of faces, not to vertices.
 #pragma once
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
-#include <glm/vec2.hpp>
 
 #include "core/progress.h"
 #include "scene/scene.h"

@@ -1,8 +1,8 @@
 // Reads textures and panoramas through stb_image, which is used only in this file.
 //
-// Radiance pictures are read after [Ward 1991] and Radiance's description of its picture format, not by stb_image, which
-// ignores EXPOSURE, refuses pictures that are mirrored, upside down or without FORMAT, and takes files that are cut
-// short; both take the same time.
+// Radiance pictures are read after [Ward 1991] and Radiance's description of its picture format, not by stb_image,
+// which ignores EXPOSURE, refuses pictures that are mirrored, upside down or without FORMAT, and takes files that are
+// cut short; both take the same time.
 #include "scene/readers/texture_file.h"
 
 #include <algorithm>

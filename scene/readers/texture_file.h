@@ -29,8 +29,8 @@ Result<Panorama> decode_panorama(std::span<const std::uint8_t> bytes, const std:
 /// Reads, decodes and reduces a panorama file. Errors: kFile.
 Result<Panorama> read_panorama(const std::filesystem::path& file);
 
-/// Returns whether `bytes` begin with the signature of a Radiance picture (.hdr, .pic): 8 bits per colour and one common
-/// exponent.
+/// Returns whether `bytes` begin with the signature of a Radiance picture (.hdr, .pic): 8 bits per colour and one
+/// common exponent.
 bool is_radiance(std::span<const std::uint8_t> bytes);
 
 /// Decodes a Radiance picture into radiance, divided by the exposure in its header; `name` is for messages. Errors:
