@@ -79,7 +79,7 @@ std::string pass_of(std::string_view plane) {
 }
 
 std::string reduced_plane(std::string_view name) { return "reduced_" + std::string(name); }
-std::string first_plane(std::string_view name) { return "first_" + std::string(name); }
+std::string other_plane(std::string_view name) { return "other_" + std::string(name); }
 
 PictureInfo layer_info(const PictureInfo& info, int layer) {
   PictureInfo out = info;

@@ -19,6 +19,7 @@
 //                     triangle's normal, on the visible side; 0 where nothing was hit; only on request
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -84,6 +85,7 @@ struct PictureInfo {
   float ground_fade_distance = 0.0f;  ///< distance from ground_center at which its shadow has faded out; 0: no fading
   /// Coarse occluders of the scene, world space; null if they are not requested or there is no scene.
   std::shared_ptr<const OccluderSet> occluders = nullptr;
+  std::optional<Camera> other_camera;  ///< camera of the other frame whose planes this one reads, guard band included
   int reduced = 1;  ///< downsampling factor of a picture at reduced resolution; 1: full resolution
   int whole_width = 0, whole_height = 0;  ///< reduced > 1: inner size of the picture at full resolution
   /// Of rows that were cut out of a finished picture: their first row there, and the rows of that picture; 0: whole.
@@ -127,8 +129,9 @@ std::string pass_of(std::string_view plane);
 /// `reduced_ao`.
 std::string reduced_plane(std::string_view name);
 
-/// Returns the name that a plane of the first sample of a picture has in the frames of its further samples: `first_ao`.
-std::string first_plane(std::string_view name);
+/// Returns the name that a plane of another frame has in a frame that reads it: `other_ao`. The other frame is the first
+/// sample of the same picture, or a neighbour in a sequence.
+std::string other_plane(std::string_view name);
 
 /// Returns the information of layer `layer`. If another camera captured it, camera, lights and ground are those of the
 /// view space of that camera.

@@ -64,7 +64,7 @@ std::optional<float> neutral_value(std::string_view plane) {
   };
   without(reduced_plane(""));
   if (const auto value = value_of(plane)) return value;  // also a name that begins as those of first samples do
-  without(first_plane(""));
+  without(other_plane(""));
   const bool of_layer = layer_of_plane(plane) > 0;
   plane = name_on_first_layer(plane);
   // A layer that does not exist has no surface, and no output of an effect.

@@ -167,7 +167,7 @@ class Compiler {
   Compiler(const LookRun& run, int layers, const PictureInfo* info) : run_(run), layers_(layers), info_(info) {}
 
   Program compile() {
-    const Steps steps = run_.further ? steps_besides_technique(run_) : steps_of(run_);
+    const Steps steps = run_.has_technique ? steps_besides_technique(run_) : steps_of(run_);
     for (std::size_t step = 0; step < steps.size();) {
       const std::size_t last = reduced_end(run_, steps, step);
       if (steps[step]->exposure_source) {

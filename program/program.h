@@ -48,9 +48,8 @@ struct LookRun {
   /// Called with the name of each effect when the effect is done.
   std::function<void(std::string_view)> after = [](std::string_view) {};
   std::vector<EffectStep> lines = {};  ///< effects that draw lines once, over the average; they run last
-  /// Draws a further sample. The technique and its filters are left out, so the frame must have the planes that they
-  /// write. Requires runs_on_marked and `stops`.
-  bool further = false;
+  /// Leaves out the technique and its filters: the frame has the planes that they write.
+  bool has_technique = false;
   ProgressMonitor monitor = {};                          ///< passed to every effect
   std::optional<float> stops = {};                       ///< to add in place of metering; unused if Exposure::kAsSet
   Meter meter = metered_stops;                           ///< used with Exposure::kPicture

@@ -60,6 +60,7 @@ Result<Frame> draw_picture(const PictureIndex& index, Samples& s) {
   if (!frame) return frame;
   LookRun run = s.drawing.run;
   if (index.sample == 0) run.lines = s.plan.lines;
+  run.has_technique = s.drawing.has_technique && s.drawing.is_captured(s.plan);
   const auto state = run_look(run, s.drawing.device, *frame);
   if (!state) return state.error();
   s.drawing.run.stops = state->stops;
@@ -168,12 +169,12 @@ Result<void> draw_further(const Continuation& more, Samples& s) {
   }
 }
 
-/// Implements draw and draw_captured.
-Result<Drawn> draw_with(const Frame* captured, Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
+/// Implements draw, draw_captured and draw_after_technique.
+Result<Drawn> draw_with(const Frame* captured, bool has_technique, Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                         const ProgressMonitor& monitor, std::optional<float> stops, const Continuation& more) {
   const ScopedPlanePool pool_scope(device.pool());
   DrawProgress progress(monitor, steps_of_picture(plan));
-  Samples s{.plan = plan, .drawing = {device, times, progress, look_run(plan.recipe), captured}};
+  Samples s{.plan = plan, .drawing = {device, times, progress, look_run(plan.recipe), captured, has_technique}};
   LookRun& run = s.drawing.run;
   report_to(progress, times, run);
   run.settings = &s.plan.recipe.settings;  // each sample has its own noise
@@ -195,7 +196,7 @@ Result<Drawn> draw_with(const Frame* captured, Device& device, const Scene& scen
 
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor, std::optional<float> stops, const Continuation& more) {
-  return draw_with(nullptr, device, scene, plan, times, monitor, stops, more);
+  return draw_with(nullptr, false, device, scene, plan, times, monitor, stops, more);
 }
 
 Result<Frame> capture(Device& device, const Plan& planned, StageTimes& times, const ProgressMonitor& monitor) {
@@ -217,7 +218,32 @@ bool same_capture(const Plan& a, const Plan& b) {
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Frame& captured,
                             StageTimes& times, const ProgressMonitor& monitor) {
   if (plan.averages()) fail_check("one capture for several pictures");
-  return draw_with(&captured, device, scene, plan, times, monitor, {}, {});
+  return draw_with(&captured, false, device, scene, plan, times, monitor, {}, {});
+}
+
+Result<Frame> draw_technique(Device& device, const Scene& scene, const Plan& planned, StageTimes& times,
+                             const ProgressMonitor& monitor) {
+  const ScopedPlanePool pool_scope(device.pool());
+  Plan plan = planned;
+  plan.marked = false;
+  const Camera camera = begin_picture(plan, {});
+  DrawProgress progress(monitor, steps_of_picture(plan));
+  const Drawing drawing{device, times, progress, look_run(plan.recipe)};
+  LookRun run = drawing.run;
+  report_to(progress, times, run);
+  run.wanted = {"ao", "indirect.r", "indirect.g", "indirect.b"};
+  run.kept.reset();
+  run.run_external_effect = reference_of(device, scene, plan, run.monitor);
+  auto frame = drawing.capture(plan, camera);
+  if (!frame) return frame;
+  const auto state = run_look(run, device, *frame);
+  return state ? frame : state.error();
+}
+
+Result<Drawn> draw_after_technique(Device& device, const Scene& scene, const Plan& plan, const Frame& frame,
+                                   StageTimes& times, const ProgressMonitor& monitor, std::optional<float> stops,
+                                   const Continuation& more) {
+  return draw_with(&frame, true, device, scene, plan, times, monitor, stops, more);
 }
 
 Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times) {

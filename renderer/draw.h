@@ -55,6 +55,15 @@ bool same_capture(const Plan& a, const Plan& b);
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Frame& captured,
                             StageTimes& times, const ProgressMonitor& monitor = {});
 
+/// Captures the first picture of a plan and runs the occlusion technique, its filters and what they need. Errors:
+/// kInterrupted; the errors of the device.
+Result<Frame> draw_technique(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
+                             const ProgressMonitor& monitor = {});
+/// Draws a plan from a frame of draw_technique, or a branch of it, which stays unchanged. Else as `draw`.
+Result<Drawn> draw_after_technique(Device& device, const Scene& scene, const Plan& plan, const Frame& frame,
+                                   StageTimes& times, const ProgressMonitor& monitor, std::optional<float> stops,
+                                   const Continuation& more);
+
 /// Plans and draws a scene that `complete_scene` has completed.
 Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times);
 

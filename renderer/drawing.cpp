@@ -34,13 +34,13 @@ std::size_t steps_of_picture(const Plan& plan) {
 }
 
 Result<Frame> Drawing::capture(const Plan& plan, const Camera& camera) const {
-  auto frame = captured ? Result<Frame>(device.branch(*captured)) : device.capture(camera, plan.capture, run.monitor);
+  auto frame = is_captured(plan) ? Result<Frame>(device.branch(*captured)) : device.capture(camera, plan.capture, run.monitor);
   if (!frame) return frame;
   if (plan.marked && plan.capture.sample == 0) {
     const EffectStep step = marking_step(plan, frame->info);
     if (auto marked = device.run(*step.effect, step.params, *frame, {}, run.monitor); !marked) return marked.error();
   }
-  if (!captured) times.done("capture");
+  if (!is_captured(plan)) times.done("capture");
   progress.step_done();
   if (!plan.recipe.hdri.shown()) return frame;
   const int height = frame->info.height;

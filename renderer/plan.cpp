@@ -354,7 +354,7 @@ Camera begin_picture(Plan& plan, const PictureIndex& picture) {
   const int frame = plan.capture.sample = picture.sample;
   plan.capture.blended = picture.blended;
   Recipe& recipe = plan.recipe;
-  if (const Parameter* noise = noise_of(recipe); noise && plan.averages())
+  if (const Parameter* noise = noise_of(recipe))
     set_int(*noise, int((long(plan.first_noise) + frame) % (long(noise->max) + 1)),
             params_of(recipe.settings, recipe.occlusion));
   return shifted_camera(plan.camera, sample_offset(frame, recipe.frames), recipe.width, recipe.height);

@@ -34,6 +34,7 @@ struct Recipe {
   std::string occlusion;                     ///< the technique, or kNoOcclusion
   int occlusion_downsampling = 1;            ///< downsampling factor of occlusion: 1, 2 or 4; see LookRun
   int frames = 1;                            ///< number of averaged pictures
+  bool is_steady = false;                    ///< occlusion is joined with that of other frames of a sequence
   bool edges_alone = false;                  ///< all but the first are for edges, not to reduce noise
   EffectSettings settings;                   ///< with all settings of the request, but not yet `radius`
   /// The parameters that the request sets, without values. They take precedence over derived values.

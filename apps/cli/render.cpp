@@ -23,6 +23,7 @@
 #include "renderer/draw.h"
 #include "renderer/passes.h"
 #include "renderer/recipe.h"
+#include "renderer/steady.h"
 #include "renderer/strips.h"
 #include "renderer/strokes.h"
 #include "renderer/written_passes.h"
@@ -152,11 +153,32 @@ struct Drawing {
   Device& device;
   const Scene& scene;
   const Plan& plan;
+  SteadySequence frames;
   Destination destination;          ///< of the first frame
   std::optional<float> stops = {};  ///< exposure of the first frame, used for all
   bool is_first = true;
   std::mutex mutex = {};  ///< guards the device and the members above it
 };
+
+/// Returns the frames of a turntable.
+SteadyFrames frames_of(const RenderOptions& o, const RenderJob& job, const Scene& scene, const Plan& first) {
+  SteadyFrames frames{.reach = o.steady, .end = job.output.frames, .is_closed = true};
+  frames.plan = [&, count = job.output.frames](int frame) {
+    constexpr float kWholeTurnDeg = 360.0f;
+    Plan plan = turned(first, scene, kWholeTurnDeg * float(frame) / float(count));
+    plan.first_noise += frame * plan.recipe.frames;  // each frame has noise of its own
+    return plan;
+  };
+  return frames;
+}
+
+/// Draws a frame.
+Result<Drawn> draw_of_frame(Drawing& all, int frame, StageTimes& times, TimedSamples& timed) {
+  if (all.plan.recipe.is_steady)
+    return all.frames.draw(frame, times, timed.monitor(), all.stops, timed.continuation());
+  const Plan plan = turned(all.plan, all.scene, 360.0f * float(frame) / float(all.job.output.frames));
+  return draw(all.device, all.scene, plan, times, timed.monitor(), all.stops, timed.continuation());
+}
 
 /// Draws a frame and writes its files. While one thread writes, another can draw.
 Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) {
@@ -165,15 +187,12 @@ Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) 
   std::unique_lock lock(all.mutex);
   times.last = std::chrono::steady_clock::now();
   const ScopedPlanePool kept(all.device.pool());
-  constexpr float kWholeTurnDeg = 360.0f;
-  const float angle_deg = kWholeTurnDeg * float(task.frame) / float(job.output.frames);
-  const Plan plan = turned(all.plan, all.scene, angle_deg);
   TimedSamples timed(o.time_s, task.monitor);
-  const auto picture = draw(all.device, all.scene, plan, times, timed.monitor(), all.stops, timed.continuation());
+  const auto picture = draw_of_frame(all, task.frame, times, timed);
   if (!picture) return picture.error();
   if (o.time_s > 0.0 && o.verbose) {
     task.wipe_progress();
-    fmt::print(stderr, "{}\n", timed.summary(plan));
+    fmt::print(stderr, "{}\n", timed.summary(all.plan));
   }
   const Frame& frame = picture->frame;
   all.stops = picture->stops;
@@ -241,7 +260,7 @@ Result<void> draw_in_order(Drawing& all, Video* video, StageTimes& times) {
 Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& device, const Scene& scene,
                          const Plan& plan, StageTimes& times) {
   const ScopedPlanePool kept(device.pool());
-  Drawing all{o, job, device, scene, plan, {o.output, nullptr, {}}};
+  Drawing all{o, job, device, scene, plan, {device, scene, frames_of(o, job, scene, plan)}, {o.output, nullptr, {}}};
   if (!job.output.is_turntable) return draw_in_order(all, nullptr, times);
   if (job.output.is_video) {
     auto video = Video::begin(o.output, video_settings(o, o.request.width, o.request.height));
@@ -290,6 +309,8 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   job.memory = *memory;
   auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
+  const Effect* technique = find_effect(recipe->occlusion);  // the others have no noise that could flicker
+  recipe->is_steady = output->is_turntable && o.steady > 0 && technique && !technique->noise.empty();
   job.requested = job.recipe = std::move(*recipe);
   const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)
                                 : o.output == kStandardOutput ? "png"
@@ -486,6 +507,11 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   add_number(*command, "--turntable", options->turntable, {1, 100000, NumberKind::kInteger},
              "number of frames for one turn of the model, written as turn_0000.png and so on, or as a video",
              "one picture")
+      ->group(output);
+  add_number(*command, "--steady", options->steady, {0, 8, NumberKind::kInteger},
+             "frames before and after each frame of a turntable whose occlusion and indirect light it shares, so that "
+             "their noise does not flicker; 0: none",
+             "3")
       ->group(output);
   command
       ->add_flag("--same-view", options->same_view,

@@ -11,6 +11,7 @@ namespace umbrage::cli {
 struct RenderOptions : CommonOptions {
   std::string output, svg, memory = "6G";
   int turntable = 0;       ///< number of frames; 0: one picture
+  int steady = 3;          ///< frames before and after a frame of a turntable with which it is joined
   bool same_view = false;  ///< each model is drawn alone, to a file of its own
   SequenceOptions sequence;
   double frame_rate = 30.0;  ///< frames per second of a video

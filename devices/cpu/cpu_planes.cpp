@@ -20,7 +20,7 @@ void check_rows(const StripRows& strip_rows, const Rows& rows, std::string_view 
 
 /// Returns the name that a plane of a further sample's frame has in the frame of the first sample, or an empty one.
 std::string_view name_in_first(const CpuPlanes& planes, std::string_view name) {
-  const std::string start = first_plane("");
+  const std::string start = other_plane("");
   return planes.first && name.starts_with(start) ? name.substr(start.size()) : std::string_view();
 }
 

@@ -156,7 +156,7 @@ class VulkanDevice final : public Device {
     for (const std::string& name : names) {
       const DevicePlane* in = planes_of(from).find(name);
       if (!in) return usage_error("the picture has no plane '{}'", name);
-      const auto out = store_->writable(planes, factor > 1 ? reduced_plane(name) : first_plane(name));
+      const auto out = store_->writable(planes, factor > 1 ? reduced_plane(name) : other_plane(name));
       if (!out) return out.error();
       if (auto status = pick(from, *in, 1, frame, **out); !status) return status;
     }

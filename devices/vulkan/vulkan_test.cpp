@@ -120,7 +120,7 @@ TEST(Vulkan, ReducesAndPlacesLikeTheCpu) {
         ASSERT_FALSE(placed);
         EXPECT_NE(placed.error().message.find("'nowhere'"), std::string::npos);
         ASSERT_TRUE(device->add_planes_of(*small, {"depth"}, *full));
-        const std::string name = factor > 1 ? reduced_plane("depth") : first_plane("depth");
+        const std::string name = factor > 1 ? reduced_plane("depth") : other_plane("depth");
         ASSERT_TRUE(device->download(*full, {name})) << name;
         small_images[k] = *device->download_all(*small);
         std::vector<std::string> all = device->plane_names(*full);

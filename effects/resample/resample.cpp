@@ -77,8 +77,8 @@ int resample_reach(const void*, int) { return 1; }
 /// Returns the inputs that all dispatches need that borrow, and more.
 std::vector<std::string_view> with_surfaces(std::vector<std::string_view> more) {
   std::vector<std::string_view> inputs = {
-      "depth",          "normal.x",       "normal.y",      "normal.z", "first_resample_depth",
-      "first_normal.x", "first_normal.y", "first_normal.z"};
+      "depth",          "normal.x",       "normal.y",      "normal.z", "other_resample_depth",
+      "other_normal.x", "other_normal.y", "other_normal.z"};
   inputs.insert(inputs.end(), more.begin(), more.end());
   return inputs;
 }
@@ -104,7 +104,7 @@ Effect effect_resample() {
        .source = "Kopf et al. 2007",
        .variants = {"", "part=borrow", "part=borrow occlusion=light", "part=borrow soft_shadows=255"},
        .quantum = 1.0,
-       .neutral = {{"first_resample_depth", 0.0f}, {"first_normal", 0.0f}},
+       .neutral = {{"other_resample_depth", 0.0f}, {"other_normal", 0.0f}},
        .dispatches = {
            {.name = "mark",
             .inputs = {"depth", "normal.x", "normal.y", "normal.z", "albedo.r", "albedo.g", "albedo.b", "emission.r",
@@ -123,27 +123,27 @@ Effect effect_resample() {
             .reach = resample_reach,
             .columns = resample_reach},
            {.name = "occlusion",
-            .inputs = with_surfaces({"first_ao"}),
+            .inputs = with_surfaces({"other_ao"}),
             .outputs = {"ao"},
             .kernel = resample_ao_kernel(),
             .needed = borrows_ao,
             .reach = resample_reach,
             .columns = resample_reach},
            {.name = "light",
-            .inputs = with_surfaces({"first_ao", "first_indirect.r", "first_indirect.g", "first_indirect.b"}),
+            .inputs = with_surfaces({"other_ao", "other_indirect.r", "other_indirect.g", "other_indirect.b"}),
             .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
             .kernel = resample_light_kernel(),
             .needed = borrows_light,
             .reach = resample_reach,
             .columns = resample_reach},
-           shadow_dispatch<0>("shadow", "first_shadow", resample_shadow0_kernel()),
-           shadow_dispatch<1>("shadow1", "first_shadow1", resample_shadow1_kernel()),
-           shadow_dispatch<2>("shadow2", "first_shadow2", resample_shadow2_kernel()),
-           shadow_dispatch<3>("shadow3", "first_shadow3", resample_shadow3_kernel()),
-           shadow_dispatch<4>("shadow4", "first_shadow4", resample_shadow4_kernel()),
-           shadow_dispatch<5>("shadow5", "first_shadow5", resample_shadow5_kernel()),
-           shadow_dispatch<6>("shadow6", "first_shadow6", resample_shadow6_kernel()),
-           shadow_dispatch<7>("shadow7", "first_shadow7", resample_shadow7_kernel())}});
+           shadow_dispatch<0>("shadow", "other_shadow", resample_shadow0_kernel()),
+           shadow_dispatch<1>("shadow1", "other_shadow1", resample_shadow1_kernel()),
+           shadow_dispatch<2>("shadow2", "other_shadow2", resample_shadow2_kernel()),
+           shadow_dispatch<3>("shadow3", "other_shadow3", resample_shadow3_kernel()),
+           shadow_dispatch<4>("shadow4", "other_shadow4", resample_shadow4_kernel()),
+           shadow_dispatch<5>("shadow5", "other_shadow5", resample_shadow5_kernel()),
+           shadow_dispatch<6>("shadow6", "other_shadow6", resample_shadow6_kernel()),
+           shadow_dispatch<7>("shadow7", "other_shadow7", resample_shadow7_kernel())}});
 }
 
 }  // namespace umbrage

@@ -12,8 +12,8 @@
 
 IN_REAL(depth)
 IN_VECTOR(normal)
-IN_REAL(first_resample_depth)
-IN_VECTOR(first_normal)
+IN_REAL(other_resample_depth)
+IN_VECTOR(other_normal)
 
 // Factor of the weights by depth. They decide if no pixel fits; if any fits, they are too small to be visible.
 CONST float kMinFit = 1e-6f;
@@ -24,16 +24,16 @@ CONST float kMinSquare = 0.05f;
 FN Real weight_of(int i, int j, Int px, Int py) {
   Vec3 position = view_position(px, py, near_depth(0, 0));
   Vec3 normal = near_normal(0, 0);
-  Real depth = near_first_resample_depth(i, j);
-  Vec3 other_normal = near_first_normal(i, j);
+  Real depth = near_other_resample_depth(i, j);
+  Vec3 normal_there = near_other_normal(i, j);
   // Its view-space position: this sample shows it `right` pixels to the left of and `below` above the pixel's centre.
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
   Real column = to_real(px) + (float(i) + 0.5f - C.right);
   Real row = to_real(py) + (float(j) + 0.5f - C.below);
   Vec3 there = Vec3(mad(column, Real(F.ray_scale_x), Real(F.ray_offset_x)) * spread,
                     mad(row, Real(F.ray_scale_y), Real(F.ray_offset_y)) * spread, -depth);
-  Real distance = surface_distance(position, normal, there, other_normal, C.distance);
-  Real turned = (1.0f - dot(normal, other_normal)) * Real(C.turn);
+  Real distance = surface_distance(position, normal, there, normal_there, C.distance);
+  Real turned = (1.0f - dot(normal, normal_there)) * Real(C.turn);
   Real misfit = max(max(distance, turned), Real(1.0f));
   // max may ignore NaN.
   misfit = select(is_finite(turned), min(misfit, Real(kOtherSurface)), Real(kOtherSurface));

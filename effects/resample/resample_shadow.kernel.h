@@ -1,12 +1,12 @@
 // Borrows the soft shadow of one light from the first sample, whose filter needs all pixels.
-// KERNEL resample_shadow0: SHADOW=shadow FIRST=first_shadow
-// KERNEL resample_shadow1: SHADOW=shadow1 FIRST=first_shadow1
-// KERNEL resample_shadow2: SHADOW=shadow2 FIRST=first_shadow2
-// KERNEL resample_shadow3: SHADOW=shadow3 FIRST=first_shadow3
-// KERNEL resample_shadow4: SHADOW=shadow4 FIRST=first_shadow4
-// KERNEL resample_shadow5: SHADOW=shadow5 FIRST=first_shadow5
-// KERNEL resample_shadow6: SHADOW=shadow6 FIRST=first_shadow6
-// KERNEL resample_shadow7: SHADOW=shadow7 FIRST=first_shadow7
+// KERNEL resample_shadow0: SHADOW=shadow FIRST=other_shadow
+// KERNEL resample_shadow1: SHADOW=shadow1 FIRST=other_shadow1
+// KERNEL resample_shadow2: SHADOW=shadow2 FIRST=other_shadow2
+// KERNEL resample_shadow3: SHADOW=shadow3 FIRST=other_shadow3
+// KERNEL resample_shadow4: SHADOW=shadow4 FIRST=other_shadow4
+// KERNEL resample_shadow5: SHADOW=shadow5 FIRST=other_shadow5
+// KERNEL resample_shadow6: SHADOW=shadow6 FIRST=other_shadow6
+// KERNEL resample_shadow7: SHADOW=shadow7 FIRST=other_shadow7
 IN_REAL_AS(first, FIRST)
 OUT_REAL_AS(new_shadow, SHADOW)
 #include "effects/resample/resample.kernel.h"

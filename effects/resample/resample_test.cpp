@@ -76,17 +76,17 @@ TEST(Resample, MarksCreases) {
 /// Adds the planes of a first sample whose left surface ends at another column.
 void add_first(GBuffer& g, int first, float left, float right) {
   const GBuffer other = two_planes(first, left, right);
-  g.layers[0].add("first_resample_depth") = other.layers[0].plane("depth");
-  for (const char* name : kNormal) g.layers[0].add(std::string("first_") + name) = other.layers[0].plane(name);
+  g.layers[0].add("other_resample_depth") = other.layers[0].plane("depth");
+  for (const char* name : kNormal) g.layers[0].add(std::string("other_") + name) = other.layers[0].plane(name);
 }
 
 TEST(Resample, BorrowsFromTheOwnSurface) {
   GBuffer g = two_planes(31, 5.0f, 8.0f);  // the edge is a pixel farther to the right than in the first sample
   add_first(g, 30, 5.0f, 8.0f);
-  add_step(g, "first_ao", 30, 0.25f, 0.75f);
-  for (const char* name : kIndirect) add_step(g, std::string("first_") + name, 30, 3.0f, 0.5f);
-  add_step(g, "first_shadow", 30, 0.125f, 1.0f);
-  add_step(g, "first_shadow4", 30, 0.5f, 0.0f);
+  add_step(g, "other_ao", 30, 0.25f, 0.75f);
+  for (const char* name : kIndirect) add_step(g, std::string("other_") + name, 30, 3.0f, 0.5f);
+  add_step(g, "other_shadow", 30, 0.125f, 1.0f);
+  add_step(g, "other_shadow4", 30, 0.5f, 0.0f);
   add_step(g, "shadow1", 0, 0.0f, 0.625f);  // captured, not borrowed
   const Settings settings = {
       {"part", "borrow"}, {"occlusion", "light"}, {"soft_shadows", "17"}, {"right", "0.4"}, {"below", "-0.2"}};
@@ -105,9 +105,9 @@ TEST(Resample, BorrowsFromTheOwnSurface) {
 
 TEST(Resample, AConstantStaysBitwiseTheSame) {
   GBuffer g = bumpy_gbuffer(kWidth, kHeight, 3);
-  g.layers[0].add("first_resample_depth") = g.layers[0].plane("depth");
-  for (const char* name : kNormal) g.layers[0].add(std::string("first_") + name) = g.layers[0].plane(name);
-  g.layers[0].add("first_ao") = Plane(kWidth, kHeight, 0.37f);
+  g.layers[0].add("other_resample_depth") = g.layers[0].plane("depth");
+  for (const char* name : kNormal) g.layers[0].add(std::string("other_") + name) = g.layers[0].plane(name);
+  g.layers[0].add("other_ao") = Plane(kWidth, kHeight, 0.37f);
   on_every_target("resample", g, {{"part", "borrow"}, {"right", "0.3"}}, [&](const Image& made) {
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) ASSERT_EQ(made.plane("ao").at(x, y), 0.37f) << x << ", " << y;

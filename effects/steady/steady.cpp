@@ -1,0 +1,78 @@
+// The parameter table, kernel constants and dispatches of `steady`.
+#include "effects/steady/steady.h"
+
+#include <cmath>
+#include <glm/gtc/matrix_access.hpp>
+#include <numbers>
+
+#include "core/effect.h"
+#include "kernels/steady_ao.h"
+#include "kernels/steady_light.h"
+
+namespace umbrage {
+namespace {
+
+const std::vector<Parameter> kSteadyTable = {
+    choice_row("weight", &SteadyParams::weight, kSteadyEqual, {"equal", "rays"},
+               "weights of the frames: equal, or by their numbers of rays"),
+    bool_row("light", &SteadyParams::light, false, "join indirect light as well as occlusion"),
+    bool_row("begin", &SteadyParams::begin, true, "this is the first frame that is joined"),
+    real_row("distance", &SteadyParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
+             "max distance of a pixel from another's plane at which both show one surface"),
+    real_row("angle", &SteadyParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
+             "max angle between normals at which pixels of two frames fit fully"),
+};
+
+void fill_steady(const SteadyParams& params, const PictureInfo& info, SteadyConstants& c) {
+  c.weight = params.weight;
+  c.begin = params.begin;
+  c.distance = params.distance;
+  c.turn = float(1.0 / (1.0 - std::cos(params.angle * std::numbers::pi / 180.0)));
+  PictureInfo other = info;
+  if (info.other_camera) other.camera = *info.other_camera;
+  c.usable = other.camera.projection == info.camera.projection;
+  // In double precision, since scenes may be far from the origin.
+  const glm::dmat4 there = glm::dmat4(other.camera.view_from_world) * glm::inverse(glm::dmat4(info.camera.view_from_world));
+  for (int k = 0; k < 4; ++k) {
+    c.x[k] = float(glm::row(there, 0)[k]);
+    c.y[k] = float(glm::row(there, 1)[k]);
+    c.z[k] = float(glm::row(there, 2)[k]);
+  }
+  c.ray_scale_x = other.pixel_width();
+  c.ray_offset_x = other.camera.left;
+  c.ray_scale_y = -other.pixel_height();
+  c.ray_offset_y = other.camera.top;
+}
+
+bool joins_light(const ParameterBytes& bytes) { return as<SteadyParams>(bytes).light != 0; }
+bool joins_no_light(const ParameterBytes& bytes) { return !joins_light(bytes); }
+
+}  // namespace
+
+Effect effect_steady() {
+  const std::vector<std::string_view> inputs = {"depth",         "normal.x",          "normal.y",
+                                                "normal.z",      "traced_confidence", "other_depth",
+                                                "other_normal.x", "other_normal.y",   "other_normal.z",
+                                                "other_ao",      "other_traced_confidence", "ao", "steady_weight"};
+  std::vector<std::string_view> with_light = inputs;
+  with_light.insert(with_light.end(), {"other_indirect.r", "other_indirect.g", "other_indirect.b", "indirect.r",
+                                       "indirect.g", "indirect.b"});
+  return shading_effect<fill_steady>(
+      kSteadyTable,
+      {.name = "steady",
+       .summary = "join the occlusion and indirect light of neighbouring frames of a sequence, along surfaces",
+       .variants = {"", "light=on"},
+       .neutral = {{"other_depth", 0.0f}, {"steady_weight", 1.0f}, {"traced_confidence", 0.5f}},
+       .dispatches = {{.name = "ao",
+                       .inputs = inputs,
+                       .outputs = {"ao", "steady_weight"},
+                       .kernel = steady_ao_kernel(),
+                       .needed = joins_no_light},
+                      {.name = "light",
+                       .inputs = with_light,
+                       .outputs = {"ao", "steady_weight", "indirect.r", "indirect.g", "indirect.b"},
+                       .kernel = steady_light_kernel(),
+                       .needed = joins_light}}});
+}
+
+}  // namespace umbrage

@@ -1,0 +1,42 @@
+// Steady sequences: the occlusion and indirect light of a frame are joined with those of the frames before and after
+// it, along surfaces (effects/steady). A frame depends on the frames of its window alone, so any frame can be drawn by
+// itself, with the same bytes.
+#pragma once
+#include <functional>
+#include <map>
+#include <optional>
+
+#include "renderer/draw.h"
+
+namespace umbrage {
+
+/// The frames of a sequence.
+struct SteadyFrames {
+  /// Returns the plan of a frame. All plans have the same recipe.
+  std::function<Plan(int frame)> plan;
+  int reach = 3;               ///< number of frames before and after a frame that it is joined with
+  int begin = 0, end = 1;      ///< the range of frames
+  bool is_closed = false;      ///< the last frame is followed by the first one
+};
+
+/// Draws the frames of a sequence. Keeps the frames of one window, so frames in ascending order are drawn once.
+class SteadySequence {
+ public:
+  /// The device, which must be prepared for the scene, and the scene must outlive this object.
+  SteadySequence(Device& device, const Scene& scene, SteadyFrames frames);
+
+  /// Draws a frame; else as umbrage::draw.
+  Result<Drawn> draw(int frame, StageTimes& times, const ProgressMonitor& monitor, std::optional<float> stops,
+                     const Continuation& more);
+
+ private:
+  /// Returns the frames with which a frame is joined, without itself, from the nearest on.
+  std::vector<int> neighbours(int frame) const;
+
+  Device& device_;
+  const Scene& scene_;
+  const SteadyFrames frames_;
+  std::map<int, Frame> drawn_;  ///< by draw_technique
+};
+
+}  // namespace umbrage
