@@ -86,7 +86,7 @@ struct PictureInfo {
   /// Coarse occluders of the scene, world space; null if they are not requested or there is no scene.
   std::shared_ptr<const OccluderSet> occluders = nullptr;
   std::optional<Camera> other_camera;  ///< camera of the other frame whose planes this one reads, guard band included
-  int reduced = 1;  ///< downsampling factor of a picture at reduced resolution; 1: full resolution
+  int reduced = 1;                     ///< downsampling factor of a picture at reduced resolution; 1: full resolution
   int whole_width = 0, whole_height = 0;  ///< reduced > 1: inner size of the picture at full resolution
   /// Of rows that were cut out of a finished picture: their first row there, and the rows of that picture; 0: whole.
   int first_row = 0, whole_rows = 0;
@@ -129,8 +129,8 @@ std::string pass_of(std::string_view plane);
 /// `reduced_ao`.
 std::string reduced_plane(std::string_view name);
 
-/// Returns the name that a plane of another frame has in a frame that reads it: `other_ao`. The other frame is the first
-/// sample of the same picture, or a neighbour in a sequence.
+/// Returns the name that a plane of another frame has in a frame that reads it: `other_ao`. The other frame is the
+/// first sample of the same picture, or a neighbour in a sequence.
 std::string other_plane(std::string_view name);
 
 /// Returns the information of layer `layer`. If another camera captured it, camera, lights and ground are those of the

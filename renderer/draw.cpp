@@ -170,8 +170,9 @@ Result<void> draw_further(const Continuation& more, Samples& s) {
 }
 
 /// Implements draw, draw_captured and draw_after_technique.
-Result<Drawn> draw_with(const Frame* captured, bool has_technique, Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
-                        const ProgressMonitor& monitor, std::optional<float> stops, const Continuation& more) {
+Result<Drawn> draw_with(const Frame* captured, bool has_technique, Device& device, const Scene& scene, const Plan& plan,
+                        StageTimes& times, const ProgressMonitor& monitor, std::optional<float> stops,
+                        const Continuation& more) {
   const ScopedPlanePool pool_scope(device.pool());
   DrawProgress progress(monitor, steps_of_picture(plan));
   Samples s{.plan = plan, .drawing = {device, times, progress, look_run(plan.recipe), captured, has_technique}};
@@ -232,7 +233,10 @@ Result<Frame> draw_technique(Device& device, const Scene& scene, const Plan& pla
   LookRun run = drawing.run;
   report_to(progress, times, run);
   run.wanted = {"ao", "indirect.r", "indirect.g", "indirect.b"};
-  run.kept.reset();
+  if (run.kept) {
+    run.kept->insert(run.kept->end(), plan.given.names.begin(), plan.given.names.end());
+    run.kept->insert(run.kept->end(), run.wanted->begin(), run.wanted->end());
+  }
   run.run_external_effect = reference_of(device, scene, plan, run.monitor);
   auto frame = drawing.capture(plan, camera);
   if (!frame) return frame;

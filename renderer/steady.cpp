@@ -30,51 +30,80 @@ std::vector<int> SteadySequence::neighbours(int frame) const {
   return found;
 }
 
-Result<Drawn> SteadySequence::draw(int frame, StageTimes& times, const ProgressMonitor& monitor,
-                                   std::optional<float> stops, const Continuation& more) {
-  const ScopedPlanePool pool(device_.pool());
-  const std::vector<int> others = neighbours(frame);
+std::vector<std::string> SteadySequence::joined_planes(const Frame& frame) const {
+  std::vector<std::string> names = {"depth", "normal.x", "normal.y", "normal.z", "ao"};
+  if (contains(device_.plane_names(frame), "indirect.r"))
+    names.insert(names.end(), {"indirect.r", "indirect.g", "indirect.b"});
+  return names;
+}
+
+void SteadySequence::release_frames(int frame) {
   const int count = frames_.end - frames_.begin;
   std::erase_if(drawn_, [&](const auto& entry) {
     const int distance = std::abs(entry.first - frame);
     return (frames_.is_closed ? std::min(distance, count - distance) : distance) > frames_.reach + kSpare;
   });
-  std::vector<int> needed = others;
-  needed.push_back(frame);
-  double done = 0.0;
-  const auto lacking = std::count_if(needed.begin(), needed.end(), [&](int each) { return !drawn_.contains(each); });
-  for (const int each : needed) {
-    if (drawn_.contains(each)) continue;
-    const auto part = [&](double fraction) { return !monitor || monitor((done + fraction) / (double(lacking) + 1.0)); };
-    auto made = draw_technique(device_, scene_, frames_.plan(each), times, part);
-    if (!made) return made.error();
-    drawn_.emplace(each, std::move(*made));
-    ++done;
+  for (auto& [each, drawn] : drawn_) {
+    if (!drawn.is_finished) continue;
+    std::vector<std::string> others = device_.plane_names(drawn.frame);
+    for (const std::string& name : joined_planes(drawn.frame)) std::erase(others, name);
+    device_.release(drawn.frame, others);
   }
-  const Frame& own = drawn_.at(frame);
-  Frame joined = device_.branch(own);
+}
+
+Result<void> SteadySequence::draw_lacking(std::vector<int> frames, StageTimes& times, const ProgressMonitor& monitor) {
+  std::erase_if(frames, [&](int each) { return drawn_.contains(each); });
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const auto part = [&](double fraction) {
+      return !monitor || monitor((double(k) + fraction) / double(frames.size()));
+    };
+    auto made = draw_technique(device_, scene_, frames_.plan(frames[k]), times, part);
+    if (!made) return made.error();
+    drawn_.emplace(frames[k], Neighbour{std::move(*made)});
+  }
+  return {};
+}
+
+Result<Frame> SteadySequence::joined(int frame, const std::vector<int>& others, const Plan& plan) {
   const Effect& steady = effect_with<SteadyParams>();
-  const Plan plan = frames_.plan(frame);
   ParameterBytes bytes = params_of(plan.recipe.settings, steady.name);
   auto& params = as<SteadyParams>(bytes);
-  const std::vector<std::string> planes = device_.plane_names(own);
-  params.light = contains(planes, "indirect.r");
-  std::vector<std::string> read = {"depth", "normal.x", "normal.y", "normal.z", "ao"};
-  if (params.light) read.insert(read.end(), {"indirect.r", "indirect.g", "indirect.b"});
+  const Frame& own = drawn_.at(frame).frame;
+  Frame joined = device_.branch(own);
+  if (!contains(device_.plane_names(own), "ao")) return joined;  // the picture shows no occlusion
+  const std::vector<std::string> names = joined_planes(own);
+  params.light = contains(names, "indirect.r");
   params.begin = 1;
-  if (contains(planes, "ao"))
-    for (const int other : others) {
-      const Frame& from = drawn_.at(other);
-      if (auto added = device_.add_planes_of(from, read, joined); !added) return added.error();
-      joined.info.other_camera = from.info.camera;
-      if (auto state = device_.run(steady, bytes, joined); !state) return state.error();
-      params.begin = 0;
-    }
-  times.done("steady");
-  const auto rest = [&](double fraction) {
-    return !monitor || monitor((double(lacking) + fraction) / (double(lacking) + 1.0));
+  for (const int other : others) {
+    const Frame& from = drawn_.at(other).frame;
+    if (auto added = device_.add_planes_of(from, names, joined); !added) return added.error();
+    joined.info.other_camera = from.info.camera;
+    if (auto state = device_.run(steady, bytes, joined); !state) return state.error();
+    params.begin = 0;
+  }
+  return joined;
+}
+
+Result<Drawn> SteadySequence::draw(int frame, StageTimes& times, const ProgressMonitor& monitor,
+                                   std::optional<float> stops, const Continuation& more) {
+  const ScopedPlanePool pool(device_.pool());
+  const std::vector<int> others = neighbours(frame);
+  const Plan plan = frames_.plan(frame);
+  // Half of the progress for the frames of the window, of which mostly one is lacking.
+  const auto part = [&](double begin) {
+    return [&, begin](double fraction) { return !monitor || monitor(begin + 0.5 * fraction); };
   };
-  return draw_after_technique(device_, scene_, plan, joined, times, rest, stops, more);
+  release_frames(frame);
+  std::erase_if(drawn_, [&](const auto& entry) { return entry.first == frame && entry.second.is_finished; });
+  std::vector<int> window = others;
+  window.push_back(frame);
+  if (auto drawn = draw_lacking(window, times, part(0.0)); !drawn) return drawn.error();
+  auto start = joined(frame, others, plan);
+  if (!start) return start.error();
+  times.done("steady");
+  auto drawn = draw_after_technique(device_, scene_, plan, *start, times, part(0.5), stops, more);
+  drawn_.at(frame).is_finished = true;
+  return drawn;
 }
 
 }  // namespace umbrage

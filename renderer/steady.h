@@ -14,9 +14,9 @@ namespace umbrage {
 struct SteadyFrames {
   /// Returns the plan of a frame. All plans have the same recipe.
   std::function<Plan(int frame)> plan;
-  int reach = 3;               ///< number of frames before and after a frame that it is joined with
-  int begin = 0, end = 1;      ///< the range of frames
-  bool is_closed = false;      ///< the last frame is followed by the first one
+  int reach = 3;           ///< number of frames before and after a frame that it is joined with
+  int begin = 0, end = 1;  ///< the range of frames
+  bool is_closed = false;  ///< the last frame is followed by the first one
 };
 
 /// Draws the frames of a sequence. Keeps the frames of one window, so frames in ascending order are drawn once.
@@ -30,13 +30,26 @@ class SteadySequence {
                      const Continuation& more);
 
  private:
+  struct Neighbour {
+    Frame frame;               ///< of draw_technique
+    bool is_finished = false;  ///< its picture is drawn: only the planes that others read are needed
+  };
+
   /// Returns the frames with which a frame is joined, without itself, from the nearest on.
   std::vector<int> neighbours(int frame) const;
+  /// Returns the planes of a frame that others read.
+  std::vector<std::string> joined_planes(const Frame& frame) const;
+  /// Releases frames that are outside the window of `frame`, and the planes of finished ones that no other reads.
+  void release_frames(int frame);
+  /// Draws those of the frames that are not there.
+  Result<void> draw_lacking(std::vector<int> frames, StageTimes& times, const ProgressMonitor& monitor);
+  /// Returns a branch of a frame, joined with the others.
+  Result<Frame> joined(int frame, const std::vector<int>& others, const Plan& plan);
 
   Device& device_;
   const Scene& scene_;
   const SteadyFrames frames_;
-  std::map<int, Frame> drawn_;  ///< by draw_technique
+  std::map<int, Neighbour> drawn_;
 };
 
 }  // namespace umbrage

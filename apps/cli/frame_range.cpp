@@ -114,9 +114,8 @@ std::string frames_text(std::span<const int> frames) {
 }
 
 std::vector<int> Shard::of(std::span<const int> frames) const {
-  std::vector<int> own;
-  for (std::size_t k = std::size_t(index); k < frames.size(); k += std::size_t(count)) own.push_back(frames[k]);
-  return own;
+  const auto begin_of = [&](int part) { return frames.begin() + long(frames.size()) * part / count; };
+  return {begin_of(index), begin_of(index + 1)};
 }
 
 Result<Shard> parse_shard(const std::string& text) {

@@ -153,7 +153,8 @@ struct Drawing {
   Device& device;
   const Scene& scene;
   const Plan& plan;
-  SteadySequence frames;
+  SteadyFrames frames;
+  SteadySequence sequence;
   Destination destination;          ///< of the first frame
   std::optional<float> stops = {};  ///< exposure of the first frame, used for all
   bool is_first = true;
@@ -166,18 +167,18 @@ SteadyFrames frames_of(const RenderOptions& o, const RenderJob& job, const Scene
   frames.plan = [&, count = job.output.frames](int frame) {
     constexpr float kWholeTurnDeg = 360.0f;
     Plan plan = turned(first, scene, kWholeTurnDeg * float(frame) / float(count));
-    plan.first_noise += frame * plan.recipe.frames;  // each frame has noise of its own
+    if (plan.recipe.is_steady) plan.first_noise += frame * plan.recipe.frames;  // noise moves, so that it averages out
     return plan;
   };
   return frames;
 }
 
 /// Draws a frame.
-Result<Drawn> draw_of_frame(Drawing& all, int frame, StageTimes& times, TimedSamples& timed) {
-  if (all.plan.recipe.is_steady)
-    return all.frames.draw(frame, times, timed.monitor(), all.stops, timed.continuation());
-  const Plan plan = turned(all.plan, all.scene, 360.0f * float(frame) / float(all.job.output.frames));
-  return draw(all.device, all.scene, plan, times, timed.monitor(), all.stops, timed.continuation());
+Result<Drawn> draw_of_frame(Drawing& all, const FrameTask& task, StageTimes& times, TimedSamples& timed) {
+  const ProgressMonitor monitor = timed.monitor();
+  if (all.plan.recipe.is_steady && task.writes)
+    return all.sequence.draw(task.frame, times, monitor, all.stops, timed.continuation());
+  return draw(all.device, all.scene, all.frames.plan(task.frame), times, monitor, all.stops, timed.continuation());
 }
 
 /// Draws a frame and writes its files. While one thread writes, another can draw.
@@ -188,7 +189,7 @@ Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) 
   times.last = std::chrono::steady_clock::now();
   const ScopedPlanePool kept(all.device.pool());
   TimedSamples timed(o.time_s, task.monitor);
-  const auto picture = draw_of_frame(all, task.frame, times, timed);
+  const auto picture = draw_of_frame(all, task, times, timed);
   if (!picture) return picture.error();
   if (o.time_s > 0.0 && o.verbose) {
     task.wipe_progress();
@@ -260,7 +261,8 @@ Result<void> draw_in_order(Drawing& all, Video* video, StageTimes& times) {
 Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& device, const Scene& scene,
                          const Plan& plan, StageTimes& times) {
   const ScopedPlanePool kept(device.pool());
-  Drawing all{o, job, device, scene, plan, {device, scene, frames_of(o, job, scene, plan)}, {o.output, nullptr, {}}};
+  const SteadyFrames frames = frames_of(o, job, scene, plan);
+  Drawing all{o, job, device, scene, plan, frames, {device, scene, frames}, {o.output, nullptr, {}}};
   if (!job.output.is_turntable) return draw_in_order(all, nullptr, times);
   if (job.output.is_video) {
     auto video = Video::begin(o.output, video_settings(o, o.request.width, o.request.height));

@@ -32,7 +32,8 @@ void fill_steady(const SteadyParams& params, const PictureInfo& info, SteadyCons
   if (info.other_camera) other.camera = *info.other_camera;
   c.usable = other.camera.projection == info.camera.projection;
   // In double precision, since scenes may be far from the origin.
-  const glm::dmat4 there = glm::dmat4(other.camera.view_from_world) * glm::inverse(glm::dmat4(info.camera.view_from_world));
+  const glm::dmat4 there =
+      glm::dmat4(other.camera.view_from_world) * glm::inverse(glm::dmat4(info.camera.view_from_world));
   for (int k = 0; k < 4; ++k) {
     c.x[k] = float(glm::row(there, 0)[k]);
     c.y[k] = float(glm::row(there, 1)[k]);
@@ -50,10 +51,10 @@ bool joins_no_light(const ParameterBytes& bytes) { return !joins_light(bytes); }
 }  // namespace
 
 Effect effect_steady() {
-  const std::vector<std::string_view> inputs = {"depth",         "normal.x",          "normal.y",
-                                                "normal.z",      "traced_confidence", "other_depth",
-                                                "other_normal.x", "other_normal.y",   "other_normal.z",
-                                                "other_ao",      "other_traced_confidence", "ao", "steady_weight"};
+  const std::vector<std::string_view> inputs = {
+      "depth",          "normal.x",       "normal.y",       "normal.z", "traced_confidence",       "other_depth",
+      "other_normal.x", "other_normal.y", "other_normal.z", "other_ao", "other_traced_confidence", "ao",
+      "steady_weight"};
   std::vector<std::string_view> with_light = inputs;
   with_light.insert(with_light.end(), {"other_indirect.r", "other_indirect.g", "other_indirect.b", "indirect.r",
                                        "indirect.g", "indirect.b"});
