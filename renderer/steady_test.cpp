@@ -1,0 +1,106 @@
+// Steady sequences: frames do not depend on the order of drawing, and what a camera that moves shows does not flicker.
+#include "renderer/steady.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "devices/cpu/cpu_device.h"
+#include "renderer/models.h"
+#include "renderer/times.h"
+
+namespace umbrage {
+namespace {
+
+constexpr int kSide = 96;
+const std::vector<std::string> kPlanes = {"color.r", "color.g", "color.b", "depth"};
+
+/// A scene before a parallel camera that moves by one pixel to the right from frame to frame.
+class Pan {
+ public:
+  Pan(const std::string& model, const std::string& look) : device_(make_cpu_device({})), scene_(*load_scene(model)) {
+    Request request;
+    request.look = look;
+    request.width = request.height = kSide;
+    request.camera.parallel = true;
+    request.anti_aliasing = 1;
+    auto recipe = *make_recipe(request);
+    recipe.is_steady = true;
+    complete_scene(scene_, recipe);
+    EXPECT_TRUE(device_->prepare(scene_));
+    plan_ = *make_plan(recipe, scene_, device_->threads());
+  }
+
+  SteadyFrames frames(int reach) const {
+    return {.plan =
+                [this](int frame) {
+                  Plan plan = plan_;
+                  const float step = (plan.camera.right - plan.camera.left) / float(kSide);
+                  plan.camera.view_from_world =
+                      glm::translate(glm::mat4(1.0f), {-step * float(frame), 0.0f, 0.0f}) * plan.camera.view_from_world;
+                  plan.first_noise += frame;
+                  return plan;
+                },
+            .reach = reach,
+            .end = 12};
+  }
+
+  Image drawn(SteadySequence& sequence, int frame) {
+    StageTimes times;
+    const auto picture = sequence.draw(frame, times, {}, {}, {});
+    EXPECT_TRUE(picture) << picture.error().message;
+    return *device_->download(picture->frame, kPlanes);
+  }
+
+  SteadySequence sequence(int reach) { return {*device_, scene_, frames(reach)}; }
+
+ private:
+  std::unique_ptr<Device> device_;
+  Scene scene_;
+  Plan plan_;
+};
+
+/// Returns the 99th percentile of the differences of two frames of a pan, of 255, where both show the same surfaces.
+double change_of(const Image& first, const Image& second) {
+  std::vector<double> changes;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 1; x < kSide; ++x) {
+      const float depth = first.plane("depth").at(x, y), there = second.plane("depth").at(x - 1, y);
+      if (!std::isfinite(depth) || std::fabs(depth - there) > 1e-3f * depth) continue;
+      for (const char* name : {"color.r", "color.g", "color.b"})
+        changes.push_back(255.0 * std::fabs(first.plane(name).at(x, y) - second.plane(name).at(x - 1, y)));
+    }
+  EXPECT_GT(changes.size(), 1000u);
+  const auto place = changes.begin() + long(changes.size() * 99 / 100);
+  std::nth_element(changes.begin(), place, changes.end());
+  return *place;
+}
+
+TEST(SteadySequence, AFrameAloneEqualsThatOfTheRun) {
+  Pan pan("scene:solids?detail=2000", "studio");
+  SteadySequence run = pan.sequence(2), alone = pan.sequence(2);
+  Image fifth;
+  for (int frame = 0; frame < 6; ++frame) fifth = pan.drawn(run, frame);
+  for (const int frame : {11, 0, 5}) {
+    const Image again = pan.drawn(alone, frame);
+    if (frame != 5) continue;
+    for (std::size_t k = 0; k < again.planes.size(); ++k)
+      for (int y = 0; y < kSide; ++y)
+        ASSERT_EQ(std::memcmp(again.planes[k].row(y), fifth.planes[k].row(y), kSide * sizeof(float)), 0) << kPlanes[k];
+  }
+}
+
+TEST(SteadySequence, APanFlickersLess) {
+  Pan pan("scene:solids?detail=2000", "ao");
+  SteadySequence single = pan.sequence(0), steady = pan.sequence(3);
+  const double before = change_of(pan.drawn(single, 5), pan.drawn(single, 6));
+  const double now = change_of(pan.drawn(steady, 5), pan.drawn(steady, 6));
+  EXPECT_LT(now, 2.0);
+  EXPECT_LT(now, 0.4 * before) << before;
+}
+
+}  // namespace
+}  // namespace umbrage
