@@ -74,9 +74,11 @@ def _focal_lengths(intrinsics: Any) -> Tuple[float, ...]:
     matrix = matrix.reshape(matrix.shape[-2:])
     numbers = tuple(float(matrix[at]) for at in ((0, 0), (1, 1), (0, 2), (1, 2)))
     if not all(0.0 < number < math.inf for number in numbers):
-        kind = "; a projection matrix of OpenGL is another one: give `fov` or `window`" if len(matrix) == 4 else ""
-        fx, fy, cx, cy = (f"{number:g}" for number in numbers)
-        raise UsageError(f"`intrinsics` has fx {fx}, fy {fy}, cx {cx} and cy {cy}: it takes [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], all above 0{kind}")
+        other = "; a projection matrix of OpenGL is another one: give `fov` or `window`" if len(matrix) == 4 else ""
+        raise UsageError(
+            "`intrinsics` has fx {:g}, fy {:g}, cx {:g} and cy {:g}: it takes [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], all above "
+            "0{}".format(*numbers, other)
+        )
     return numbers
 
 
@@ -324,7 +326,8 @@ def shade(
     are.
     fov: vertical field of view, degrees; default: 55; of files: as the file says, else fitted, else 55.
     intrinsics: used instead of `fov`: the 3 x 3 matrix of a pinhole camera, in pixels of these arrays (a warning says
-    if its centre is far from their middle), or in widths and heights of the picture; or `focal_length_px`, one number or (fx, fy, cx, cy).
+    if its centre is far from their middle), or in widths and heights of the picture; or `focal_length_px`, one number
+    or (fx, fy, cx, cy).
     window: used instead of `fov`: (left, right, bottom, top) at distance 1, or in scene units for `orthographic`.
     look: a name of umbrage.looks(); default: "studio", and "comp" for files with a beauty. effects: effects that run,
     in this order, instead of the look.
