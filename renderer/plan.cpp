@@ -247,7 +247,8 @@ Result<Plan> plan_of_view(const Recipe& recipe, const Scene& scene, int threads,
             .origin = scene.origin,
             .has_ground = scene.ground_object >= 0};
   EffectSettings& settings = plan.recipe.settings;
-  if (!plan.capture.lighting) {
+  // Given lights were found for a camera inside the scene.
+  if (!plan.capture.lighting || !is_inside_scene(plan.camera, scene)) {
     plan.capture.lighting = lighting_of(scene);
     const bool lacks_lights = scene.lights.empty() && !recipe.hdri.lights();
     if (lacks_lights)
