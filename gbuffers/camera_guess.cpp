@@ -129,6 +129,18 @@ std::optional<Camera> camera_of_intrinsics(const std::vector<float>& n, int widt
   return camera;
 }
 
+std::string center_warning(const Camera& camera, int width, int height) {
+  constexpr double kFar = 0.25, kBothFar = 0.1;  // from the middle, fractions of the picture
+  const glm::dvec2 center(-camera.left / (double(camera.right) - camera.left),
+                          camera.top / (double(camera.top) - camera.bottom));
+  const glm::dvec2 off = glm::abs(center - 0.5), pixel = center * glm::dvec2(width, height) - 0.5;
+  if (std::max(off.x, off.y) <= kFar && std::min(off.x, off.y) <= kBothFar) return "";
+  return fmt::format(
+      "the centre of the intrinsics, ({:.4g}, {:.4g}), is far from the middle of {} x {} pixels: those of a picture of "
+      "another size must be scaled, fx and cx with the width, fy and cy with the height",
+      pixel.x, pixel.y, width, height);
+}
+
 glm::dmat3 view_rotation(const ProjectionFit& fit) {
   return glm::transpose(glm::dmat3(fit.right, fit.up, -fit.forward));
 }

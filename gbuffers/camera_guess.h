@@ -31,6 +31,10 @@ Result<KnownCamera> known_camera(const GBufferSettings& settings, std::span<cons
 /// centre of the first pixel; one of half the size is the middle. Returns nothing for other numbers.
 std::optional<Camera> camera_of_intrinsics(const std::vector<float>& numbers, int width, int height);
 
+/// Returns a warning if the centre of intrinsics is so far from the middle that they belong to a picture of another
+/// size; else nothing.
+std::string center_warning(const Camera& camera, int width, int height);
+
 /// Returns the camera that projects the sampled positions to their pixels; nothing if there are none, or no camera
 /// does.
 std::optional<ProjectionFit> position_camera(const Samples& samples);

@@ -165,10 +165,9 @@ void decide_normals(Deciding& d, const KnownCamera& known) {
   std::string line = fmt::format("normal: {}, {}, {}", d.roles[Role::kNormal].name,
                                  d.out.normal.offset != 0.0 ? "0..1 encoded" : "signed", choice.meaning);
   d.fact(line);
-  constexpr double kMismatch_deg = 10.0;
   if (is_own || !choice.median_deg) return;
   d.fact(fmt::format("check: normals against normals rebuilt from depth: median {:.2g} deg", *choice.median_deg));
-  const bool fits = *choice.median_deg <= kMismatch_deg;
+  const bool fits = *choice.median_deg <= kNormalMismatch_deg;
   if (!fits && d.roles.normal_is_guess) {
     d.out.is_unusable[std::size_t(Role::kNormal)] = true;
     d.fact(fmt::format("normal: {} are no normals, and are not used", d.roles[Role::kNormal].name));
@@ -190,6 +189,10 @@ void decide_colors(Deciding& d) {
                           Role::kEmission, Role::kOwn}) {
     if (!d.has(role)) continue;
     const Channel& channel = d.channel_of(role);
+    const bool is_float = channel.max_integer == 0.0;
+    if (is_float && (role == Role::kAlbedo || role == Role::kBeauty))
+      if (auto warning = color_warning(d.samples, role, d.roles[role].name); !warning.empty())
+        d.warn(std::move(warning));
     d.out.color[std::size_t(role)] = {channel.max_integer, channel.is_srgb && role != Role::kAlpha};
   }
   const auto line = [&](std::string_view what, Role role) {
@@ -381,6 +384,22 @@ void warn_of_nan(Deciding& d, Role role) {
 
 }  // namespace
 
+std::string color_warning(const Samples& samples, Role role, std::string_view name) {
+  constexpr double kMostly = 0.99, kRounded = 1.001;  // a quantile, since few bright pixels hardly show
+  std::vector<float> values;
+  for (const TapValues* channel : samples.find_three(role))
+    for (std::size_t k = 0; channel && k < samples.size(); ++k)
+      if (const float v = (*channel)[kCenter][k]; std::isfinite(v)) values.push_back(v);
+  const float bright = quantile(values, kMostly);
+  const bool is_light = role == Role::kBeauty;  // may be bright, but is hardly integers
+  if (!(bright > kRounded) ||
+      (is_light && std::any_of(values.begin(), values.end(), [](float v) { return v != std::floor(v); })))
+    return "";
+  return fmt::format(
+      "{} has values up to {:.3g}, and takes linear ones{}: (x / 255) ** 2.2 converts colours from 0 to 255", name,
+      bright, is_light ? "" : " from 0 to 1");
+}
+
 std::string number_text(double value) { return fmt::format("{:.6g}", value); }
 
 Result<Conventions> decide_conventions(const GBufferSettings& settings, std::span<const LayeredFile> headers,
@@ -397,6 +416,7 @@ Result<Conventions> decide_conventions(const GBufferSettings& settings, std::spa
   d.position = position_camera(samples);
   const auto known = known_camera(settings, headers, d.position, d.out.width, d.out.height);
   if (!known) return known.error();
+  if (!settings.focal_length_px.empty()) d.warn(center_warning(known->camera, d.out.width, d.out.height));
   if (d.has(Role::kNormal))
     if (auto decided = decide_encoding(d, *known); !decided) return decided.error();
   if (has_depth) {

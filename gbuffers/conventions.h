@@ -59,6 +59,10 @@ Result<Conventions> decide_conventions(const GBufferSettings& settings, std::spa
                                        const Roles& roles, const Samples& samples, GBufferFacts& facts,
                                        const Conventions* first = nullptr);
 
+/// Returns a warning of colours that are not linear reflectance from 0 to 1, or, for the beauty, that are integers
+/// of 8 bits; else nothing. `name`: as the message shows the role's float channels.
+std::string color_warning(const Samples& samples, Role role, std::string_view name);
+
 /// Returns the text for a number in messages: 3 to 6 digits.
 std::string number_text(double value);
 

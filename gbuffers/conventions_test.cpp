@@ -347,6 +347,24 @@ TEST(Conventions, DepthTellsTheEncodingThatLengthsLeaveOpen) {
   }
 }
 
+TEST(Conventions, WarnsOfBrightAlbedoAndIntrinsicsOfAnotherSize) {
+  for (const double albedo : {0.9, 230.0}) {
+    TestFile file(scene());
+    file.add("Z", 0.0f, depth_of);
+    file.add_vector(
+        "albedo", [&](const Hit&) { return glm::dvec3(albedo); }, "RGB");
+    file.add_vector(
+        "", [](const Hit& hit) { return 99.0 * hit.normal_view; }, "RGB");  // light may be bright
+    const float w = float(scene().width), h = float(scene().height), f = h;
+    const Understood got = understand(file, {.focal_length_px = {f, f, w / 2, h / 2}});
+    const bool is_bright = albedo > 1.0;
+    EXPECT_EQ(test::has_warning(got, "albedo (RGB) has values up to 230"), is_bright) << got.text();
+    EXPECT_EQ(got.facts.warnings.size(), std::size_t(is_bright)) << got.text();
+    EXPECT_TRUE(test::has_warning(understand(file, {.focal_length_px = {f, f, 1.5f * w, 1.5f * h}}),
+                                  "the centre of the intrinsics, (360, 240), is far from the middle of 240 x 160"));
+  }
+}
+
 TEST(Conventions, NegativeDepthAndFlippedGreen) {
   TestFile file(scene());
   file.add("Z", -1e10f, [](const Hit& hit) { return -hit.depth; });

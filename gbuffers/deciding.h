@@ -36,7 +36,10 @@ struct Deciding {
     return has(role) && is_own_file(header_of(role)) && channel_of(role).layer == layer;
   }
   void fact(std::string line) { facts.lines.push_back(std::move(line)); }
-  void warn(std::string line) { facts.warnings.push_back(std::move(line)); }
+  /// Adds a warning, unless it is empty.
+  void warn(std::string line) {
+    if (!line.empty()) facts.warnings.push_back(std::move(line));
+  }
 };
 
 /// Tells what was decided about depth, and warns of what it lacks.

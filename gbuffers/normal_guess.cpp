@@ -152,4 +152,58 @@ NormalChoice choose_rotation(const GBufferSettings& settings, const RebuiltNorma
   return choices.front();
 }
 
+NormalCheck check_normals(const Samples& samples, const Camera& camera, const GBufferSettings& settings) {
+  constexpr double kMaxSigned = 2.0, kMaxByte = 255.0, kMaxShort = 65535.0;
+  constexpr std::size_t kCells = 2000, kTooFew = 20;
+  constexpr int kMinDirections = 3, kMinSide = 100;  // fewer fit several rotations; fewer pixels show no normals
+  constexpr double kBetter = 0.5, kClearMismatch_deg = 30.0;
+  const TapValues& depth = *samples.find(Role::kDepth, 0);
+  std::vector<char> surfaces;
+  for (const float v : depth[kCenter]) surfaces.push_back(std::isfinite(v));
+  double max = 0.0;
+  for (const TapValues* channel : samples.find_three(Role::kNormal))
+    for (const float v : (*channel)[kCenter]) max = std::max(max, double(v));
+  const double one = max <= kMaxSigned ? 1.0 : max <= kMaxByte ? kMaxByte : kMaxShort;
+  const EncodingGuess guess = guess_encoding(samples, surfaces, settings, one);
+  NormalCheck check;
+  if (guess.is_unsigned && guess.is_clear) check.unsigned_max = one;
+  NormalConvention unused;
+  const auto normals = decode_normals(samples, surfaces, one, check.unsigned_max.has_value(), unused);
+  Cells cells{samples.width, samples.height, samples.reach, {}, true};
+  for (std::size_t k = 0; k < normals.size(); ++k) {
+    Cell cell{samples.x[k], samples.y[k], {}, normals[k]};
+    bool is_whole = normals[k] != glm::dvec3(0.0) && samples.reach > 0;
+    for (std::size_t tap = 0; tap < kTaps; ++tap) {
+      cell.stored[tap] = double(depth[tap][k]);
+      is_whole = is_whole && std::isfinite(cell.stored[tap]);
+    }
+    if (is_whole) cells.cells.push_back(cell);
+  }
+  DepthModel model;
+  model.orthographic = camera.projection == Projection::kOrthographic;
+  const RebuiltNormals rebuilt = rebuild_normals(cells.balanced(kCells), model, camera);
+  if (rebuilt.pairs.size() < kTooFew) return check;
+  GBufferSettings trial = settings;
+  if (trial.view_from_normal.empty()) trial.view_from_normal = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const double median_deg = *choose_rotation(trial, rebuilt, {}).median_deg;
+  if (median_deg <= kNormalMismatch_deg) return check;
+  trial.view_from_normal.clear();
+  const NormalChoice found = choose_rotation(trial, rebuilt, {});
+  // Coarse depth, too, is far from normals, but no rotation fits it.
+  const bool fits = *found.median_deg < std::min(kNormalMismatch_deg, kBetter * median_deg);
+  if (!fits && (median_deg < kClearMismatch_deg || std::min(samples.width, samples.height) < kMinSide)) return check;
+  check.mismatch = fmt::format("normals and depth do not fit, by {:.0f} deg in the median: ", median_deg);
+  Cells seen{.cells = {}, .have_normals = true};
+  for (const glm::dvec3& normal : rebuilt.pairs.to) seen.cells.push_back({.normal = normal});
+  if (!fits || seen.directions() < kMinDirections) {
+    check.mismatch += "`depth_kind`, the angle of view, `view_from_normal` or `normal_encoding` may be wrong";
+    return check;
+  }
+  check.mismatch += fmt::format("these normals are in {}, which `view_from_normal` ", found.meaning);
+  for (int k = 0; k < 9; ++k)
+    check.mismatch += fmt::format("{}{:.4g}", k > 0 ? "," : "", found.view_from_stored[k % 3][k / 3] + 0.0);
+  check.mismatch += " converts";
+  return check;
+}
+
 }  // namespace umbrage

@@ -44,4 +44,17 @@ struct NormalChoice {
 NormalChoice choose_rotation(const GBufferSettings& settings, const RebuiltNormals& rebuilt,
                              const std::vector<KnownRotation>& known);
 
+/// Angle in the median above which normals do not fit those rebuilt from depth.
+inline constexpr double kNormalMismatch_deg = 10.0;
+
+/// What the values of normals in memory say, which are signed and in view space after settings.view_from_normal unless
+/// the settings say otherwise.
+struct NormalCheck {
+  std::optional<double> unsigned_max;  ///< components from 0 to this number, 1, 255 or 65535, stand for -1 to 1
+  std::string mismatch;                ///< a warning if they do not fit the depth, with the rotation that would
+};
+
+/// Checks samples of normals and view depth.
+NormalCheck check_normals(const Samples& samples, const Camera& camera, const GBufferSettings& settings);
+
 }  // namespace umbrage

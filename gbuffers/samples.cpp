@@ -17,13 +17,18 @@ std::array<const TapValues*, 3> Samples::find_three(Role role) const {
 }
 
 Result<Samples> sample(const RawPlanes& raw, int reach, int count) {
+  return sample(
+      raw.width(), raw.height(), [&](const Rows& rows) { return raw.rows(rows); }, reach, count);
+}
+
+Result<Samples> sample(int width, int height, const RowsOf& rows_of, int reach, int count) {
   Samples out;
-  out.width = raw.width();
-  out.height = raw.height();
+  out.width = width;
+  out.height = height;
   out.reach = std::min({reach, (out.width - 1) / 2, (out.height - 1) / 2});
   const int step = std::max(1, int(std::ceil(std::sqrt(double(out.width) * out.height / count))));
   for (int y = out.reach; y < out.height - out.reach; y += step) {
-    const auto rows = raw.rows({y - out.reach, y + out.reach + 1});
+    const auto rows = rows_of({y - out.reach, y + out.reach + 1});
     if (!rows) return rows.error();
     if (out.names.empty()) {
       out.names = rows->names;

@@ -2,6 +2,7 @@
 // recognised.
 #pragma once
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,11 @@ struct Samples {
   std::array<const TapValues*, 3> find_three(Role role) const;
 };
 
-/// Returns at most about `count` samples on a regular grid. Errors: kFile.
+/// Returns rows as RawPlanes::rows does.
+using RowsOf = std::function<Result<RawRows>(const Rows&)>;
+
+/// Returns at most about `count` samples on a regular grid. Errors: kFile; those of `rows_of`.
+Result<Samples> sample(int width, int height, const RowsOf& rows_of, int reach, int count);
 Result<Samples> sample(const RawPlanes& raw, int reach, int count);
 
 }  // namespace umbrage

@@ -232,7 +232,7 @@ Result<Frame> JobObject::render_frame(Recipe recipe) {
   if (!plan) return plan.error();
   auto frame = draw_frame(*plan);
   if (frame) camera = plan->camera, origin = plan->origin;
-  if (frame) lightings_.emplace(key, plan->lighting());
+  if (frame && !plan->lit_from_camera) lightings_.emplace(key, plan->lighting());
   return frame;
 }
 

@@ -127,7 +127,7 @@ class JobObject final : public Object {
 
   // Data of the last picture of a scene:
   CompletedScene completed_;
-  std::map<std::string, Lighting> lightings_;  // default lights of a scene without lights, by light_key
+  std::map<std::string, Lighting> lightings_;  // lights found for a camera inside the scene, by light_key
   Hdri hdri_;                                  // with its panorama
   KeptCapture kept_;
 };

@@ -10,8 +10,11 @@
 
 #include "core/rows.h"
 #include "core/suggest.h"
+#include "gbuffers/camera_guess.h"
+#include "gbuffers/conventions.h"
 #include "gbuffers/extent.h"
 #include "gbuffers/ids.h"
+#include "gbuffers/normal_guess.h"
 #include "library/lens.h"
 #include "renderer/passes.h"
 
@@ -80,7 +83,6 @@ const char* set_for_files(const GBufferSettings& set) {
       {"cell_size", set.cell_size.has_value()},
       {"repair", set.repair != initial.repair},
       {"normal_space", set.normal_space != initial.normal_space},
-      {"normal_encoding", set.normal_encoding != initial.normal_encoding},
       {"position_space", set.position_space != initial.position_space},
       {"fov_deg", set.fov_deg.has_value()},
       {"focal_length_mm", set.focal_length_mm.has_value()},
@@ -265,15 +267,52 @@ DepthRange convert_depth(const Lens& lens, Plane& depth) {
   return whole_range();
 }
 
-/// Rotates normals to view space and normalizes them; invalid ones become zero.
-void rotate_normals(const std::vector<float>& rotation, Image& layer) {
+/// Returns samples of the planes of a layer whose values may tell that they are not what they are to be.
+Samples samples_of(const Image& layer) {
+  constexpr int kCount = 2048, kNarrow = 90, kWidth = 240, kMinReach = 4;  // as for depth in files that is in steps
+  RawRows rows;
+  for (const auto& [role, name] : {std::pair(Role::kDepth, "depth"), std::pair(Role::kNormal, "normal"),
+                                   std::pair(Role::kAlbedo, "albedo"), std::pair(Role::kBeauty, "beauty")}) {
+    const auto channels = channels_of(name);
+    for (std::size_t c = 0; c < channels.size(); ++c)
+      if (const Plane* plane = layer.find(name + channels[c])) {
+        rows.names.push_back(raw_plane(role, c));
+        rows.planes.push_back(plane);
+      }
+  }
+  const int reach = std::max(std::clamp(layer.width / kNarrow, 1, kMinReach), layer.width / kWidth);
+  return *sample(
+      layer.width, layer.height, [&](const Rows&) -> Result<RawRows> { return rows; }, reach, kCount);
+}
+
+/// Warns of values that make a wrong picture. Returns NormalCheck::unsigned_max.
+std::optional<double> check_values(const GBufferSettings& settings, const Camera& camera, const Image& layer,
+                                   std::vector<std::string>& warnings) {
+  const Samples samples = samples_of(layer);
+  const NormalCheck check = layer.find("normal.x") ? check_normals(samples, camera, settings) : NormalCheck();
+  std::string encoded;
+  if (check.unsigned_max && settings.normal_encoding == "auto")
+    encoded = fmt::format(
+        "`normal` has components from 0 to {:g}{}, which are decoded to -1 to 1: `normal_encoding` unsigned says so, "
+        "and signed prevents it",
+        *check.unsigned_max, *check.unsigned_max == 1.0 ? ", or to the max of integers" : "");
+  for (const std::string& warning : {color_warning(samples, Role::kAlbedo, "`albedo`"),
+                                     color_warning(samples, Role::kBeauty, "`beauty`"), encoded, check.mismatch})
+    if (!warning.empty()) warnings.push_back(warning);
+  return check.unsigned_max;
+}
+
+/// Decodes normals whose components from 0 to `unsigned_max` stand for -1 to 1, if that is set; rotates them to view
+/// space, and normalizes them. Invalid ones become zero.
+void convert_normals(std::optional<double> unsigned_max, const std::vector<float>& rotation, Image& layer) {
   constexpr float kUnitTolerance = 2e-6f;  // for the squared length of a unit vector
   Plane &nx = layer.plane("normal.x"), &ny = layer.plane("normal.y"), &nz = layer.plane("normal.z");
   const std::vector<float> identity = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   const bool is_rotated = !rotation.empty() && rotation != identity;
   const auto is_unit = [](const glm::vec3& n) { return std::abs(glm::dot(n, n) - 1.0f) <= kUnitTolerance; };
   const auto at = [&](int x, int y) { return glm::vec3(nx.row(y)[x], ny.row(y)[x], nz.row(y)[x]); };
-  if (!is_rotated && is_true_everywhere(nx, [&](int x, int y) {
+  const float scale = unsigned_max ? float(2.0 / *unsigned_max) : 1.0f, offset = unsigned_max ? -1.0f : 0.0f;
+  if (!is_rotated && !unsigned_max && is_true_everywhere(nx, [&](int x, int y) {
         const glm::vec3 n = at(x, y);
         const float square = glm::dot(n, n);
         return (std::abs(square - 1.0f) <= kUnitTolerance) | ((n.x == 0.0f) & (n.y == 0.0f) & (n.z == 0.0f));
@@ -282,7 +321,7 @@ void rotate_normals(const std::vector<float>& rotation, Image& layer) {
   for (Plane* plane : {&nx, &ny, &nz}) make_owned(*plane);
   for_rows(0, nx.height, [&](int y) {
     for (int x = 0; x < nx.width; ++x) {
-      const glm::vec3 n = at(x, y);
+      const glm::vec3 stored = at(x, y), n = stored == glm::vec3(0.0f) ? stored : scale * stored + offset;
       glm::vec3 v = n;
       if (is_rotated)
         v = {rotation[0] * n.x + rotation[1] * n.y + rotation[2] * n.z,
@@ -339,6 +378,12 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
     }
   for (const NamedImage& named : images)
     add_image(named, shared.ids, gbuffer.layers[std::size_t(layer_of_plane(named.name))]);
+  PictureInfo& info = gbuffer.info;
+  set_lens(lens, info);
+  for (LayerInfo& layer : info.more_layers) layer.camera = info.camera;
+  if (!request.gbuffer.focal_length_px.empty())
+    if (auto warning = center_warning(info.camera, info.width, info.height); !warning.empty())
+      shared.warnings.push_back(std::move(warning));
   DepthRange first_range;
   long negative = 0;
   for (Image& layer : gbuffer.layers) {
@@ -346,7 +391,8 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
     const DepthRange range = convert_depth(lens, depth);
     if (&layer == &gbuffer.layers[0]) first_range = range;
     negative += range.negative;
-    if (layer.find("normal.x")) rotate_normals(request.gbuffer.view_from_normal, layer);
+    const auto unsigned_max = check_values(request.gbuffer, info.camera, layer, shared.warnings);
+    if (layer.find("normal.x")) convert_normals(unsigned_max, request.gbuffer.view_from_normal, layer);
     for (const auto& [name, ids] : shared.ids)
       if (Plane* plane = layer.find(name)) {
         make_owned(*plane);
@@ -362,9 +408,6 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
     shared.warnings.push_back(fmt::format("{} of {} depths are below 0 and show no surface", negative,
                                           long(request.width) * request.height * layers));
   if (first_range.farthest == 0.0f) shared.warnings.emplace_back("the depth shows no surface: all of it is background");
-  PictureInfo& info = gbuffer.info;
-  set_lens(lens, info);
-  for (LayerInfo& layer : info.more_layers) layer.camera = info.camera;
   ExtentOfDepth extent(info);
   extent.add_range(first_range.nearest, first_range.farthest);
   const Plane& depth = gbuffer.layers[0].plane("depth");

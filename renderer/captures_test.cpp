@@ -6,6 +6,7 @@
 #include "core/check.h"
 #include "devices/cpu/cpu_device.h"
 #include "faulty_vulkan.h"
+#include "renderer/completed_scene.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"
 #include "support.h"
@@ -38,6 +39,9 @@ class PreparedScene {
   Image drawn(const Plan& plan) { return downloaded(draw(device_, scene_, plan, times_)); }
   Image drawn(const Plan& plan, const Frame& captured) {
     return downloaded(draw_captured(device_, scene_, plan, captured, times_));
+  }
+  Image drawn(const Plan& plan, KeptCapture& kept, StageTimes& times) {
+    return downloaded(draw_keeping(device_, scene_, plan, kept, times, [] { return Result<void>(); }, {}, {}));
   }
   Frame captured(const Plan& plan) { return *capture(device_, plan, times_); }
 
@@ -129,6 +133,21 @@ TEST(Captures, DoNotServeAverages) {
   EXPECT_FALSE(same_capture(four, four));
   StageTimes times;
   EXPECT_THROW((void)draw_captured(*device, Scene(), four, prepared.captured(one), times), InternalError);
+}
+
+TEST(Captures, KeepTheExposureOfTheSceneForOtherViews) {
+  const auto device = make_cpu_device();
+  PreparedScene prepared(*device, "studio");
+  KeptCapture kept;
+  const auto metered = [&](const Case& wanted) {
+    StageTimes times;
+    const Plan plan = prepared.plan_of(wanted);
+    expect_same(prepared.drawn(plan, kept, times), prepared.drawn(plan));
+    return std::any_of(times.stages.begin(), times.stages.end(), [](const auto& s) { return s.name == "metering"; });
+  };
+  EXPECT_TRUE(metered({"studio", {}}));
+  EXPECT_FALSE(metered({.look = "studio", .settings = {}, .height = 60}));
+  EXPECT_TRUE(metered({"studio", {"output.exposure=1"}}));
 }
 
 TEST(Captures, AreNotReusableForOtherCamerasOrLayers) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <tuple>
+
 #include "renderer/models.h"
 
 namespace umbrage {
@@ -54,30 +56,48 @@ Result<std::vector<std::string>> read_changed_hdri(Hdri& hdri, const Hdri& last,
   return hdri.panorama ? Result<std::vector<std::string>>(std::vector<std::string>()) : read_hdri(hdri, monitor);
 }
 
+namespace {
+
+/// Returns whether the exposure that is metered for one plan is that of the other.
+bool same_metering(const Plan& a, const Plan& b) {
+  const auto key = [](const Recipe& r) {
+    const Hdri& hdri = r.hdri;
+    return std::tie(r.look, r.occlusion, r.occlusion_downsampling, r.settings, hdri.file, hdri.ambient, hdri.skybox,
+                    hdri.rotation_deg, hdri.intensity);
+  };
+  return a.start == b.start && a.camera == b.camera && a.capture == b.capture && key(a.recipe) == key(b.recipe);
+}
+
+}  // namespace
+
 void KeptCapture::clear() {
-  plan.reset();
-  frame = {};
+  const long count = made;
+  *this = {};
+  made = count;
 }
 
 Result<Drawn> draw_keeping(Device& device, const Scene& scene, const Plan& plan, KeptCapture& kept, StageTimes& times,
                            const std::function<Result<void>()>& prepare, const ProgressMonitor& capturing,
                            const ProgressMonitor& monitor, const Continuation& more) {
-  if (plan.averages()) {
-    kept.clear();
+  const bool is_metered = kept.metered && plan.metered && same_metering(*kept.metered, *plan.metered);
+  const std::optional<float> stops = is_metered ? kept.stops : std::nullopt;
+  const bool is_captured = !plan.averages() && kept.plan && same_capture(*kept.plan, plan);
+  if (!is_captured) {
+    kept.plan.reset();
+    kept.frame = {};
     if (auto ready = prepare(); !ready) return ready.error();
+    if (!plan.averages()) {
+      auto captured = capture(device, plan, times, capturing);
+      if (!captured) return captured.error();
+      kept.frame = std::move(*captured);
+      kept.plan = plan;
+    }
     kept.made += plan.recipe.frames;
-    return draw(device, scene, plan, times, monitor, {}, more);
   }
-  if (!kept.plan || !same_capture(*kept.plan, plan)) {
-    kept.clear();
-    if (auto ready = prepare(); !ready) return ready.error();
-    auto captured = capture(device, plan, times, capturing);
-    if (!captured) return captured.error();
-    kept.frame = std::move(*captured);
-    kept.plan = plan;
-    ++kept.made;
-  }
-  return draw_captured(device, scene, plan, kept.frame, times, monitor);
+  auto drawn = plan.averages() ? draw(device, scene, plan, times, monitor, stops, more)
+                               : draw_captured(device, scene, plan, kept.frame, times, monitor, stops);
+  if (drawn && plan.metered) kept.metered = plan.metered, kept.stops = drawn->stops;
+  return drawn;
 }
 
 }  // namespace umbrage

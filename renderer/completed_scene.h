@@ -33,11 +33,14 @@ std::string light_key(const Recipe& recipe);
 /// warnings. Errors: those of read_hdri.
 Result<std::vector<std::string>> read_changed_hdri(Hdri& hdri, const Hdri& last, const ProgressMonitor& monitor = {});
 
-/// The capture of the last picture, which is reused while only settings of effects change.
+/// The capture of the last picture, which is reused while only settings of effects change; and the exposure of the
+/// scene, which does not depend on the camera.
 struct KeptCapture {
   std::optional<Plan> plan;
   Frame frame;
-  long made = 0;  ///< number of captures so far
+  long made = 0;                        ///< number of captures so far
+  std::shared_ptr<const Plan> metered;  ///< Plan::metered whose exposure is `stops`; null: none
+  std::optional<float> stops;
 
   void clear();
 };

@@ -217,9 +217,9 @@ bool same_capture(const Plan& a, const Plan& b) {
 }
 
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Frame& captured,
-                            StageTimes& times, const ProgressMonitor& monitor) {
+                            StageTimes& times, const ProgressMonitor& monitor, std::optional<float> stops) {
   if (plan.averages()) fail_check("one capture for several pictures");
-  return draw_with(&captured, false, device, scene, plan, times, monitor, {}, {});
+  return draw_with(&captured, false, device, scene, plan, times, monitor, stops, {});
 }
 
 Result<Frame> draw_technique(Device& device, const Scene& scene, const Plan& planned, StageTimes& times,

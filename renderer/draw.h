@@ -53,7 +53,7 @@ Result<Frame> capture(Device& device, const Plan& plan, StageTimes& times, const
 bool same_capture(const Plan& a, const Plan& b);
 /// Draws from a capture, which stays unchanged. The picture is bitwise identical to the picture that `draw` returns.
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Frame& captured,
-                            StageTimes& times, const ProgressMonitor& monitor = {});
+                            StageTimes& times, const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
 
 /// Captures the first picture of a plan and runs the occlusion technique, its filters and what they need. Errors:
 /// kInterrupted; the errors of the device.

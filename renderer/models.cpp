@@ -1,10 +1,15 @@
 #include "renderer/models.h"
 
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/mat3x3.hpp>
+#include <tuple>
+#include <utility>
 
 #include "generators/builtin.h"
-#include "scene/framing.h"
 #include "scene/scene.h"
 
 namespace umbrage {
@@ -27,8 +32,11 @@ void share_origin(Scene& a, Scene& b) {
   set_origin(origin, b);
 }
 
-/// Returns whether two models hardly belong to one scene.
-bool are_unrelated(const Scene& a, const Scene& b) {
+/// Appends why two models hardly belong to one scene, if they do not.
+void add_reason(const Scene& a, const Scene& b, std::string& reasons) {
+  constexpr std::tuple<double, const char*, const char*> kUnits[] = {
+      {10.0, "mm", "cm"}, {25.4, "mm", "inches"}, {39.37, "inches", "m"}, {100.0, "cm", "m"}, {1000.0, "mm", "m"}};
+  constexpr double kSameRatio = 2e-3;  // relative difference
   constexpr double kMaxRatio = 100.0;  // of sizes; the smaller one is a few pixels of the picture
   constexpr double kMaxGap = 10.0;     // in units of their size; each is less than a tenth of the picture
   const double radius_a = a.radius(), radius_b = b.radius();
@@ -36,8 +44,18 @@ bool are_unrelated(const Scene& a, const Scene& b) {
   const glm::dvec3 low_b = glm::dvec3(b.bounds_min) + shift, high_b = glm::dvec3(b.bounds_max) + shift;
   const glm::dvec3 gap =
       glm::max(glm::max(low_b - glm::dvec3(a.bounds_max), glm::dvec3(a.bounds_min) - high_b), glm::dvec3(0.0));
-  return glm::length(gap) > kMaxGap * (radius_a + radius_b) ||
-         std::max(radius_a, radius_b) > kMaxRatio * std::min(radius_a, radius_b);
+  const Scene &larger = radius_a > radius_b ? a : b, &smaller = radius_a > radius_b ? b : a;
+  const double ratio = double(larger.radius()) / std::max(double(smaller.radius()), 1e-30);
+  const double distance = glm::length(gap) / (radius_a + radius_b);
+  std::string units = ratio > kMaxRatio ? "; their units may differ, such as mm and m" : "";
+  for (const auto& [factor, of_larger, of_smaller] : kUnits)
+    if (std::abs(ratio / factor - 1.0) < kSameRatio)
+      units = fmt::format(": it is probably in {}, the other in {}", of_larger, of_smaller);
+  if (units.empty() && !(distance > kMaxGap)) return;
+  reasons += reasons.empty() ? "" : "; ";
+  reasons += units.empty()
+                 ? fmt::format("'{}' is {:.3g} times farther from '{}' than they are large", b.name, distance, a.name)
+                 : fmt::format("'{}' is {:.4g} times as large as '{}'{}", larger.name, ratio, smaller.name, units);
 }
 
 /// Prepares scenes to be appended of which one moves: the other is part of its motion and of its start.
@@ -98,7 +116,7 @@ void append_scene(Scene next, Scene& all) {
 Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings,
                           const ProgressMonitor& monitor) {
   std::size_t loaded = 0;
-  bool unrelated = false;
+  std::string reasons;
   ProgressMonitor model_monitor;
   if (monitor) model_monitor = [&](double done) { return monitor((double(loaded) + done) / double(models.size())); };
   auto all = load_scene(models.at(0), settings, model_monitor);
@@ -106,29 +124,43 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
     loaded = m;
     auto next = load_scene(models[m], settings, model_monitor);
     if (!next) return next;
-    unrelated = unrelated || are_unrelated(*all, *next);
+    add_reason(*all, *next, reasons);
     append_scene(std::move(*next), *all);
   }
-  if (all && unrelated)
-    all->warnings.emplace_back(
-        "the models are far apart or of very different sizes, and are drawn in one scene: umbrage render --same-view "
-        "and umbrage thumbnails draw each alone");
+  if (all && !reasons.empty())
+    all->warnings.push_back(reasons +
+                            "; all are drawn in one scene: umbrage thumbnails draws each alone, umbrage render "
+                            "--same-view alone in one view");
   return all;
 }
 
 Result<std::shared_ptr<const Scene>> load_same_view(const std::vector<std::string>& models,
-                                                    const ImportSettings& settings) {
+                                                    const ImportSettings& settings, const Framing* turned) {
   std::shared_ptr<Scene> first;
   std::vector<glm::vec3> around;
+  std::string reasons;
   for (const std::string& model : models) {
     auto scene = load_scene(model, settings);
     if (!scene) return scene.error();
     if (first) set_origin(first->origin, *scene);
+    if (first) add_reason(*first, *scene, reasons);
     const auto points = points_around(*scene);
     around.insert(around.end(), points.begin(), points.end());
     if (!first) first = std::make_shared<Scene>(scene->start ? *scene->start : std::move(*scene));
   }
-  set_motion(std::move(around), *first);
+  set_motion(std::exchange(around, {}), *first);
+  first->warnings.clear();
+  if (!reasons.empty())
+    first->warnings.push_back(reasons + "; all are drawn in one view: umbrage thumbnails draws each in its own");
+  if (turned) {
+    constexpr int kTurns = 16;  // between two of them a model is up to 2 % wider
+    const glm::vec3 center = turn_center(*first, *turned);
+    for (int k = 0; k < kTurns; ++k) {
+      const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), glm::two_pi<float>() * float(k) / float(kTurns), first->up));
+      for (const glm::vec3& p : first->motion) around.push_back(center + turn * (p - center));
+    }
+    set_motion(std::move(around), *first);
+  }
   return std::shared_ptr<const Scene>(std::move(first));
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "scene/framing.h"
 #include "scene/readers/import.h"
 #include "scene/scene.h"
 
@@ -25,9 +26,10 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
                           const ProgressMonitor& monitor = {});
 
 /// Returns what several models that are drawn alone have in common, as the poses of an animation have: the first model,
-/// with Scene::motion around all of them. Errors: those of load_scene.
+/// with Scene::motion around all of them, and a warning if they differ much. `turned`: the framing of a turntable,
+/// whose motion is around all frames; null: no turntable. Errors: those of load_scene.
 Result<std::shared_ptr<const Scene>> load_same_view(const std::vector<std::string>& models,
-                                                    const ImportSettings& settings = {});
+                                                    const ImportSettings& settings, const Framing* turned = nullptr);
 /// Gives one of these models the directions, views and bounds of all, and the exposure of the first.
 void set_same_view(const std::shared_ptr<const Scene>& first, Scene& scene);
 

@@ -100,6 +100,8 @@ Error refusal(const Option& o, const T& value) {
 
 /// Returns the error for a colour, with the nearest name if the text is a word.
 Error color_error(const Option& o, std::string_view text) {
+  if (text == "transparent" && o.field == "background")
+    return field_error(o.field, text, "`{}` cannot be '{}': `transparent` draws no background");
   const bool is_word = !text.empty() && std::isalpha(static_cast<unsigned char>(text[0]));
   return field_error(o.field, text, "`{}` cannot be '{}': it takes {}{}", valid_values(o),
                      is_word ? did_you_mean(nearest_name(text, color_names())) : "");
@@ -224,14 +226,15 @@ class SetValue {
     return {};
   }
   std::optional<Vector3> vector() const {
-    const bool is_axis = o_.form == OptionForm::kDirection && text_.size() == 2 && (text_[0] == '+' || text_[0] == '-');
+    const bool is_signed = text_.starts_with('+') || text_.starts_with('-');
+    const bool is_axis = o_.form == OptionForm::kDirection && text_.size() == 1 + std::size_t(is_signed);
     if (o_.form == OptionForm::kColor)
       if (const auto color = named_color(text_)) return color;
     if (!is_axis) return parse_three<float>(text_);
-    const int index = (text_[1] | 0x20) - 'x';  // lower case
+    const int index = (text_.back() | 0x20) - 'x';  // lower case
     if (index < 0 || index > 2) return std::nullopt;
     Vector3 v{};
-    v[std::size_t(index)] = text_[0] == '+' ? 1.0f : -1.0f;
+    v[std::size_t(index)] = text_[0] == '-' ? -1.0f : 1.0f;
     return v;
   }
 

@@ -57,6 +57,14 @@ TEST(Options, NumbersAcceptOnlyTheirRange) {
   }
 }
 
+TEST(Options, AnAxisNeedsNoSign) {
+  Request request, signed_axis;
+  for (const char* axis : {"z", "+Z"})
+    ASSERT_TRUE(set_option(option_of("up"), axis, *axis == 'z' ? request : signed_axis));
+  EXPECT_EQ(request.up, signed_axis.up);
+  for (const char* text : {"w", "+", "zz"}) EXPECT_FALSE(set_option(option_of("up"), text, request)) << text;
+}
+
 TEST(Options, IntegersAcceptNoFractions) {
   for (const Option& o : options()) {
     if (!is_number(o) || interval_of(o).kind == NumberKind::kReal || o.form == OptionForm::kSize || o.field == "height")

@@ -43,6 +43,13 @@ std::optional<float> lowest_light_deg(const Scene& scene) {
   return lowest;
 }
 
+/// Returns whether a material is a metal, which under lights alone is flat and dark.
+bool has_metal(const Scene& scene) {
+  constexpr float kMetal = 0.5f;
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& material) { return material.roughness >= 0.0f && material.metallic > kMetal; });
+}
+
 /// Adds lights for a scene that has none.
 Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& monitor, Plan& plan) {
   // In a courtyard or a hall little of the sky is visible; what is visible is lit by indirect light.
@@ -53,7 +60,7 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
       recipe.look->studio_lights ? studio_lighting(plan.camera, scene.up) : default_lighting(plan.camera, scene.up);
   const bool inside = is_inside_scene(plan.camera, scene);
   plan.lit_from_camera = !inside;
-  if (!inside && recipe.look->studio_lights && has_roughness(scene))
+  if (!inside && (recipe.look->studio_lights ? has_roughness(scene) : has_metal(scene)))
     lighting.reflections = studio_reflections(scene.up);
   if (!inside || !uses_scene_lights(recipe)) return {};
   const auto traced = build_traced_scene(scene, threads, monitor);
@@ -240,7 +247,8 @@ Result<Plan> plan_of_view(const Recipe& recipe, const Scene& scene, int threads,
             .origin = scene.origin,
             .has_ground = scene.ground_object >= 0};
   EffectSettings& settings = plan.recipe.settings;
-  if (!plan.capture.lighting) {
+  // Given lights were found for a camera inside the scene.
+  if (!plan.capture.lighting || !is_inside_scene(plan.camera, scene)) {
     plan.capture.lighting = lighting_of(scene);
     const bool lacks_lights = scene.lights.empty() && !recipe.hdri.lights();
     if (lacks_lights)

@@ -25,7 +25,7 @@ class Pan {
     Request request;
     request.look = look;
     request.width = request.height = kSide;
-    request.camera.parallel = true;
+    request.camera.orthographic = true;
     request.anti_aliasing = 1;
     auto recipe = *make_recipe(request);
     recipe.is_steady = true;

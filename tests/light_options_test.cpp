@@ -176,6 +176,18 @@ TEST(LightOptions, ClayReplacesMaterials) {
   EXPECT_TRUE(differs);
 }
 
+TEST(LightOptions, MetalsMirrorAStudioInEveryLook) {
+  Scene scene = model();
+  for (const auto& [look, metallic, mirrors] :
+       {std::tuple("studio", 0.0f, true), {"lit", 0.0f, false}, {"lit", 1.0f, true}}) {
+    scene.materials[0].roughness = 0.2f;
+    scene.materials[0].metallic = metallic;
+    auto plan = make_plan(*make_recipe({.look = look}), scene, 0);
+    ASSERT_TRUE(plan);
+    EXPECT_EQ(plan->lighting().reflections != nullptr, mirrors) << look << metallic;
+  }
+}
+
 TEST(LightOptions, StylesAreOverriddenByOptions) {
   const auto corner = [](Request request) {
     request.ground = "off";

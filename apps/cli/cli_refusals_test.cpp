@@ -78,6 +78,8 @@ TEST_F(CliRefusals, RefusesPlacesToWrite) {
   to("", {"empty"});
   bad("tri.obj -o out", 2, {"'out'", ".png", ".exr", ".pfm"});
   bad("tri.obj -o out.gif", 2, {"'out.gif'"});
+  bad("tri.obj -o out.avi", 2, {"'.avi'", ".mp4, .webm or .gif"});
+  bad("compare tri.obj -o page.png", 2, {"--output", "'page.png'", "a folder, for index.html"});
   bad("tri.obj -o out.pgn", 2, {"did you mean 'png'"});
   to("/proc/out.png", {"/proc/out.png", "cannot be written"});
   if (::geteuid() != 0) {  // root may write everywhere
@@ -108,6 +110,14 @@ TEST_F(CliRefusals, PassColorKeepsItsChannels) {
 TEST_F(CliRefusals, RefusesNamesThatDoNotExist) {
   bad_option("--lok ao", {"'--lok'", "did you mean '--look'"});
   bad_option("--resolutoin=8x8", {"'--resolutoin'", "did you mean '--resolution'"});
+  for (const auto& [name, own] : {std::pair("bg-color", "background-color"),
+                                  {"camera-azimuth", "camera-azimuth-angle"},
+                                  {"ambient-occlusion", "ao"},
+                                  {"ssao", "ao"},
+                                  {"no-ground", "ground"},
+                                  {"dpi", "resolution"}})
+    bad_option(fmt::format("--{} 3", name), {fmt::format("(did you mean '--{}'?)", own)});
+  bad_option("--background-color transparent", {"'transparent'", "--no-background"});
   bad_option("--fooo", {"'--fooo'", "umbrage render --help"});
   bad_option("--xyzzy", {"'--xyzzy'", "umbrage render --help"});
   bad_option("-q", {"'-q'", "umbrage render --help"});

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <optional>
 
+#include "core/lowercase.h"
 #include "io/image_file.h"
 #include "renderer/devices.h"
 
@@ -246,6 +247,10 @@ Result<void> make_folder(const std::filesystem::path& folder) {
 Result<void> check_folder(const std::filesystem::path& folder, std::initializer_list<const char*> files) {
   namespace fs = std::filesystem;
   std::error_code ignored;
+  const std::string extension = lowercase(folder.extension().string());
+  if (!fs::is_directory(folder, ignored) && (format_of(folder) || extension == ".html" || extension == ".json"))
+    return field_error("--output", folder.string(), "{} cannot be '{}': it takes a folder, for {}",
+                       files.size() > 0 ? fmt::format("{}", fmt::join(files, ", ")) : "the pictures");
   if (fs::is_directory(folder, ignored)) {
     for (const char* file : files)
       if (auto writable = check_writable(folder / file); !writable) return writable;

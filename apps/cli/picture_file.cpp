@@ -86,7 +86,9 @@ VideoSettings video_settings(const RenderOptions& o, int width, int height) {
 Result<std::string> extension_of(const std::string& file) {
   if (is_svg(file)) return std::string("svg");
   const auto format = format_of(file);
-  if (!format) return field_error("--output", file, "{2}; or .svg, for lines", format.error().message);
+  if (!format)
+    return field_error("--output", file, "{2}; or .svg, for lines; or .mp4, .webm or .gif, for several frames",
+                       format.error().message);
   return std::string((*format)->extension);
 }
 

@@ -126,6 +126,9 @@ Result<Output> output_of(const RenderOptions& o) {
       return field_error("--output", o.output,
                          "'{1}' is a video, which needs several frames: give --turntable, such as --turntable 120");
     if (piped) return output;
+    if (has_frame_number(o.output))
+      print_warning(
+          fmt::format("'{}' is one picture of this name: numbers in names are for frames of --turntable", o.output));
     if (auto writable = check_writable(o.output); !writable) return with_field(writable.error(), "--output");
     if (const auto known = extension_of(o.output); !known) return known.error();
     return output;
@@ -472,9 +475,10 @@ Result<void> render(const RenderOptions& o) {
   if (!device) return device.error();
   std::shared_ptr<const Scene> same_view;
   if (o.same_view) {
-    auto loaded = load_same_view(o.models, jobs[0].model_import);
+    auto loaded = load_same_view(o.models, jobs[0].model_import, o.turntable > 0 ? &jobs[0].recipe.framing : nullptr);
     if (!loaded) return loaded.error();
     same_view = std::move(*loaded);
+    for (const std::string& warning : same_view->warnings) print_warning(warning);
     times.done("load");
   }
   for (std::size_t k = 0; k < jobs.size(); ++k)

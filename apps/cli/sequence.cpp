@@ -268,6 +268,14 @@ Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFil
     if (!parsed) return parsed.error();
     shard = *parsed;
   }
+  Sequence sequence;
+  for (const FrameNames& names : range.empty() ? std::vector<FrameNames>() : files.outputs) {
+    auto others = names.existing();
+    others.erase(others.begin(), std::upper_bound(others.begin(), others.end(), range.back()));
+    if (!others.empty())
+      sequence.left_over += fmt::format("umbrage: '{}' has more frames, which are not of this run and remain: {}\n",
+                                        pattern_of(names), frames_text(others));
+  }
   if (range.empty() && !options.frames.empty()) {
     auto parsed = parse_frames(options.frames);
     if (!parsed) return parsed.error();
@@ -275,7 +283,6 @@ Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFil
   } else if (range.empty()) {
     range = files.inputs.front().existing();
   }
-  Sequence sequence;
   for (const int frame : range)
     if (has_inputs(files, frame)) sequence.all.push_back(frame);
   if (sequence.all.empty()) {
@@ -307,6 +314,7 @@ Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFil
 }
 
 void print_kept(const Sequence& sequence) {
+  std::fputs(sequence.left_over.c_str(), stderr);
   if (sequence.finished > 0)
     fmt::print(stderr, "umbrage: {} of {} frames are there already; --overwrite makes them again\n", sequence.finished,
                sequence.finished + sequence.own.size() + sequence.missing.size());

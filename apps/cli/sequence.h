@@ -45,6 +45,7 @@ struct Sequence {
   std::vector<int> missing;  ///< frames of this process that have no input
   std::size_t finished = 0;  ///< number of frames of this process that were finished before
   std::size_t replaced = 0;  ///< of `own`, those whose files are there but cut off, or drawn by other options
+  std::string left_over;     ///< sentence about files of frames after the last of a whole range; may be empty
 };
 
 /// Returns the frames of a sequence. `range`: all frames; empty: those of --frames, or else all files of the first
@@ -71,7 +72,7 @@ struct SequenceWork {
   std::function<Result<int>()> start_workers = [] { return Result<int>(1); };
 };
 
-/// Prints one line if frames were finished before, and one if frames that are there are made again.
+/// Prints one line if frames were finished before, one if frames that are there are made again, and left_over.
 void print_kept(const Sequence& sequence);
 
 /// Makes the frames, after print_kept. The first frame of all shards

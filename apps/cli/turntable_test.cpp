@@ -78,8 +78,11 @@ TEST_F(TurntableTest, WritesNumberedPictures) {
   EXPECT_EQ(names().size(), 13u) << "pictures and four records of frames";
   EXPECT_TRUE(image("plane_0001.exr").find("normal.x"));
   // Without --turntable, % has no special meaning.
-  good(kSolids + "--look ao -o c%03d.png");
+  EXPECT_NE(run(kSolids + "--look ao -o c%03d.png").err.find("'c%03d.png'"), std::string::npos);
   EXPECT_TRUE(names().count("c%03d.png"));
+  EXPECT_NE(run(kSolids + "--look ao -o a%03d.png --turntable 1").err.find("'a###.png' has more frames"),
+            std::string::npos);
+  EXPECT_TRUE(names().count("a001.png"));
 }
 
 TEST_F(TurntableTest, TurnsTheCameraAboutTheModel) {
@@ -293,6 +296,18 @@ TEST_F(TurntableTest, ModelsWithTheSameViewAreDrawnAlone) {
   EXPECT_NE(text_of(folder_ / "alone.exr"), text_of(folder_ / "out/a.exr"));
 }
 
+TEST_F(TurntableTest, ATurnOfModelsWithTheSameViewFits) {
+  write("a.obj",
+        "v 0 0 0\nv .1 0 0\nv .1 0 -9\nv 0 0 -9\nv 0 1 0\nv .1 1 0\nv .1 1 -9\nv 0 1 -9\nf 1 2 6 5\nf 2 3 7 6\n");
+  write("b.obj", box_obj(1.0f));
+  good("a.obj b.obj --device cpu --resolution 64x64 --look ao --turntable 4 --same-view --passes depth -o {stem}.pfm");
+  for (const char* name : {"a_0000.pfm", "a_0001.pfm", "a_0002.pfm", "a_0003.pfm"}) {
+    const Image depth = image(name);
+    for (int k = 0; k < 64; ++k)
+      EXPECT_FALSE(std::isfinite(depth.planes[0].at(0, k)) || std::isfinite(depth.planes[0].at(63, k))) << name;
+  }
+}
+
 TEST_F(TurntableTest, RefusesNamesForModelsWithTheSameView) {
   write("a.obj", box_obj(1.0f));
   write("a.b.obj", box_obj(1.0f));
@@ -324,6 +339,16 @@ TEST_F(TurntableTest, WarnsOfUnrelatedModels) {
   EXPECT_EQ(count("a.obj b.obj"), 0);
   EXPECT_EQ(count("a.obj large.obj"), 1);
   EXPECT_EQ(count("a.obj far.obj large.obj"), 1);
+  const auto warns = [&](const std::string& models, const std::string& text) {
+    EXPECT_NE(run(models + small).err.find(text), std::string::npos) << models;
+    const std::string err = run(models + " --device cpu --resolution 16x16 --ao none --same-view -o {stem}.png").err;
+    EXPECT_NE(err.find(text), std::string::npos) << err;
+    EXPECT_EQ(err.find("far apart"), std::string::npos) << err;
+  };
+  write("mm.obj", "v 0 0 0\nv 1000 1000 1000\nv 0 1000 0\nf 1 2 3\n");
+  warns("a.obj far.obj", "'far.obj' is 24.8 times farther from 'a.obj' than they are large");
+  warns("mm.obj a.obj", "'mm.obj' is 1000 times as large as 'a.obj': it is probably in mm, the other in m");
+  warns("a.obj large.obj", " times as large as 'a.obj'; their units may differ");
 }
 
 TEST_F(TurntableTest, AVideoIsWholeOrNotThere) {

@@ -19,6 +19,8 @@ constexpr float kHiddenMaxGap = 16.0f;    // max gap over which ends are joined
 constexpr float kCrossing = 12.0f;        // pixels: min of that gap, not scaled, for lines that cross a visible one
 constexpr float kHiddenMinLoose = 16.0f;  // min length of a line with two free ends
 constexpr float kHiddenMinBranch = 6.0f;  // min length of a line with one free end
+constexpr float kSpeckle = 6.0f;          // max length of a line of a speckle, dashes with their gaps
+constexpr float kCrowd = 2.0f;            // dashes: distance of the lines around a point of a speckle
 constexpr float kOneLine = 1.5f;  // pixels: distance, not scaled, up to which the pixel grid draws one line as two
 
 /// Returns the object of the nearest surface behind the visible one at a point, else that of the visible one.
@@ -128,6 +130,25 @@ void draw_once(Tracing& t, float reach, float min_px, float max_gap) {
     if (chain.closed) chain.points.push_back(ChainPoint(chain.points.front()));
 }
 
+/// Removes lines up to `max_px` long most points of which have other lines around them, within `reach` pixels as many
+/// as two lines through the point. Lines that short and dense are a speckle without shape.
+void drop_speckle(Tracing& t, float max_px, float reach) {
+  const PointGrid grid(t.chains, t.graph.width(), t.graph.height());
+  std::vector<Chain> kept;
+  for (const Chain& chain : t.chains) {
+    const auto number = int(&chain - t.chains.data());
+    const auto is_crowded = [&](const ChainPoint& p) {
+      int others = 0;
+      grid.near(p.x, p.y, reach, [&](const PointGrid::Entry& e, float) { others += e.chain != number; });
+      return float(others) > 4.0f * reach;  // a line has about a point per pixel
+    };
+    if (length_of(chain) > max_px ||
+        2 * std::count_if(chain.points.begin(), chain.points.end(), is_crowded) <= std::ptrdiff_t(chain.points.size()))
+      kept.push_back(chain);
+  }
+  t.chains = std::move(kept);
+}
+
 }  // namespace
 
 std::vector<Stroke> dashes_of(const Stroke& line, float dash_px, float gap_px) {
@@ -162,6 +183,7 @@ Strokes hidden_lines(const HostFrame& frame) {
   smooth_chains(t);
   connect_ends(t);
   draw_once(t, std::max(c.width_px, kOneLine), kHiddenMinBranch * c.scale, kHiddenMaxGap * c.scale);
+  drop_speckle(t, kSpeckle * (c.dash_px + c.gap_px), kCrowd * c.dash_px);
   std::vector<std::vector<Stroke>> dashes(t.chains.size());
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t k) {
     Stroke line{.kind = StrokeKind::kHidden, .closed = t.chains[k].closed};

@@ -233,6 +233,26 @@ TEST(Hidden, WhatTheLastLayerHidesIsUnknown) {
   EXPECT_EQ(total(hidden_plane(layers_of(scenes, 2, lens), {})), 0.0);
 }
 
+TEST(Hidden, SmallShapesAreDrawnUnlessTheyAreASpeckle) {
+  const Lens lens{.width = kSize / 2, .height = kSize / 2, .orthographic = true};
+  constexpr int kSide = 5;
+  std::vector<RayScene> one, all;
+  for (int k = 0; k < 2 * kSide * kSide; ++k) {  // the second half is behind the first
+    const int behind = k / (kSide * kSide);
+    const dvec3 cell(k % kSide - 2 + 0.5 * behind, k / kSide % kSide - 2 + 0.5 * behind, -2 * behind);
+    const auto walls =
+        Cube{.center = 28.0 * lens.pixel() * cell - dvec3(0, 0, kFocus), .half = 8.0 * lens.pixel()}.walls(k);
+    all.insert(all.end(), walls.begin(), walls.end());
+    if (k == 0) one = walls;
+  }
+  const auto drawn = [&](const std::vector<RayScene>& scenes, const char* dash) {
+    return total(hidden_plane(layers_of(scenes, 4, lens), {{"dash", dash}, {"gap", "0"}}));
+  };
+  EXPECT_GT(drawn(one, "20"), 9.0);
+  EXPECT_EQ(drawn(one, "20"), drawn(one, "1"));
+  EXPECT_LT(drawn(all, "20"), 0.7 * drawn(all, "1"));
+}
+
 TEST(Hidden, LinesOfTheInputRemain) {
   const Lens lens{.width = 64, .height = 48};
   GBuffer g = layers_of(Cube().walls(0), 1, lens);

@@ -224,10 +224,10 @@ UMB_API UmbError umbPrepareJob(UmbJob job);
 
 /* Makes the picture. Reuses data of the last execution that is still valid: the device, the scene's acceleration
  * structure, the captured G-buffer if only effects have changed, and memory. A scene without lights gets lights that
- * are placed relative to the camera of its first picture, and keeps them. After a failure the job can be executed
- * again; its outputs are undefined after UMB_ERROR_DEVICE, and unchanged after other errors. A picture of more than
- * 67108864 pixels, summed over its layers, is UMB_ERROR_USAGE: the programs `umbrage render` and `umbrage shade` draw
- * such pictures. The files of a shade job are read each time. */
+ * are placed relative to the camera of each picture; those for a camera inside the scene are kept. After a failure the
+ * job can be executed again; its outputs are undefined after UMB_ERROR_DEVICE, and unchanged after other errors. A
+ * picture of more than 67108864 pixels, summed over its layers, is UMB_ERROR_USAGE: the programs `umbrage render` and
+ * `umbrage shade` draw such pictures. The files of a shade job are read each time. */
 UMB_API UmbError umbExecuteJob(UmbJob job);
 
 /* Returns an output of the last execution: the caller's image, or a packed image in memory of the library, which is

@@ -207,6 +207,16 @@ class Reuse(unittest.TestCase):
             near = np.isclose(turned["depth"], values, rtol=1e-3) | (np.isinf(values) & np.isinf(turned["depth"]))
             self.assertLess(np.count_nonzero(~near), 8)
 
+    def test_lights_move_with_the_camera(self) -> None:
+        expected = bytes_of_program(SOLIDS, "--resolution", "48,32", "--camera-azimuth-angle", "150")
+        with umbrage.Renderer(SOLIDS, size=SIZE, device="cpu") as renderer:
+            front = renderer.render().picture
+            orbit = renderer.render({"azimuth_deg": 150}).picture
+            picture = renderer.render({"azimuth_deg": 150, "orbit": False}).picture
+        np.testing.assert_array_equal(picture[..., :3], pixels_of_png(expected))
+        for each in (orbit, picture):  # not burnt out from behind
+            self.assertLess(abs(float(np.mean(each[..., :3])) - float(np.mean(front[..., :3]))), 8)
+
     def test_out_is_written_where_it_lies(self) -> None:
         with umbrage.Renderer(SOLIDS, size=SIZE, device="cpu") as renderer:
             expected = renderer.render(passes=("normal",))

@@ -1,7 +1,9 @@
 """Tests of shade: types, strides, memory that is not copied, cameras, outputs."""
 import math
+import re
 import unittest
 import warnings
+from typing import Any, List, Tuple
 
 import numpy as np
 
@@ -295,6 +297,73 @@ class Mistakes(unittest.TestCase):
         self.refused("threads", d, threads="all")
         self.refused("null character", d, look="ao\0")
         self.refused("nix", d, nix=1)
+
+
+class Values(unittest.TestCase):
+    """Values that are not what they are to be are converted if there is no doubt, and warned of."""
+
+    made: umbrage.Picture
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        passes = ("depth", "normal", "albedo")
+        cls.made = umbrage.render(SOLIDS, size=(160, 120), device="cpu", passes=passes, camera={"view_angle_deg": 40})
+
+    def shaded(self, normal: Any, albedo: Any = None, **arguments: Any) -> Tuple[np.ndarray, List[str]]:
+        camera = {} if "intrinsics" in arguments or "focal_length_px" in arguments else {"fov": 40}
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            picture = shade(self.made["depth"], normal, albedo, **camera, **arguments).picture
+        return picture.astype(int), [str(each.message) for each in caught]
+
+    def test_encoded_normals_are_decoded(self) -> None:
+        normal = self.made["normal"]
+        expected, said = self.shaded(normal)
+        self.assertEqual(said, [])
+        bytes_ = np.rint((normal + 1) * 127.5)
+        for encoded in ((normal + 1) / 2, bytes_, bytes_.astype(np.uint8), np.rint((normal + 1) * 32767.5).astype(np.uint16)):
+            picture, said = self.shaded(encoded)
+            self.assertLess(np.abs(picture - expected).mean(), 0.5)
+            self.assertRegex(" ".join(said), "^`normal` has components from 0 to .*`normal_encoding` unsigned")
+            again, said = self.shaded(encoded, normal_encoding="unsigned")
+            self.assertEqual(said, [])
+            np.testing.assert_array_equal(again, picture)
+        self.assertEqual(self.shaded(normal * 3)[1], [])  # only longer
+
+    def test_normals_of_other_axes_are_warned_of(self) -> None:
+        normal = self.made["normal"]
+        expected, _ = self.shaded(normal)
+        world = normal @ np.array([[0.6, 0, -0.8], [0.48, 0.8, 0.36], [0.64, -0.6, 0.48]], np.float32)
+        for other, space in ((normal * np.float32([1, -1, -1]), "x right, y down, z away"), (world, "world space")):
+            wrong, said = self.shaded(other)
+            self.assertGreater(np.abs(wrong - expected).mean(), 5)
+            self.assertEqual(len(said), 1)
+            self.assertIn(space, said[0])
+            rotation = re.search(r"`view_from_normal` (\S+) converts", said[0])
+            assert rotation, said
+            right, said = self.shaded(other, view_from_normal=[float(number) for number in rotation[1].split(",")])
+            self.assertEqual(said, [])
+            self.assertLess(np.abs(right - expected).mean(), 1)
+        noise = np.random.default_rng(1).normal(size=normal.shape).astype(np.float32)
+        self.assertRegex(" ".join(self.shaded(noise)[1]), "normals and depth do not fit, .*may be wrong")
+
+    def test_colours_above_1_are_warned_of(self) -> None:
+        normal, albedo = self.made["normal"], self.made["albedo"]
+        self.assertEqual(self.shaded(normal, albedo)[1], [])
+        for bright in (albedo * 255, 3 * albedo, (200, 180, 160)):
+            self.assertRegex(" ".join(self.shaded(normal, bright)[1]), r"^`albedo` has values up to .* from 0 to 1: \(x / 255\) \*\* 2.2 ")
+        beauty = np.rint(np.pad(albedo * 255, ((0, 0), (0, 0), (0, 1)), constant_values=1))
+        self.assertRegex(" ".join(self.shaded(normal, beauty=beauty)[1]), "^`beauty` has values up to ")
+        self.assertEqual(self.shaded(normal, beauty=beauty / 20)[1], [])  # light may be bright
+
+    def test_intrinsics_of_another_size_are_warned_of(self) -> None:
+        normal, focal = self.made["normal"], 60 / math.tan(math.radians(20))
+        matrix = np.array([[focal, 0, 79.5], [0, focal, 59.5], [0, 0, 1]])
+        self.assertEqual(self.shaded(normal, intrinsics=matrix)[1], [])
+        said = " ".join(self.shaded(normal, intrinsics=matrix * [[3], [3], [1]])[1])
+        self.assertRegex(said, r"centre of the intrinsics, \(238.5, 178.5\), .* 160 x 120 pixels: .* must be scaled")
+        said = " ".join(self.shaded(None, focal_length_px=(focal, focal, 80, 10))[1])
+        self.assertRegex(said, "far from the middle of 160 x 120 pixels")
 
 
 class CamerasAndMasks(unittest.TestCase):

@@ -26,7 +26,7 @@ class Renderer(Job):
     `render` may be called any number of times, with different cameras, sizes and parameters. Data that is still valid
     is kept, and after an error further calls are allowed. A returned picture is not changed by later calls. Only one
     thread at a time can use the renderer; others wait. A scene without lights gets lights that are placed relative to
-    the camera of its first picture, and keeps them.
+    the camera of each picture; those for a camera inside the scene, such as in a room, are kept.
     """
 
     _kind = "Renderer"

@@ -72,7 +72,14 @@ def _focal_lengths(intrinsics: Any) -> Tuple[float, ...]:
     if matrix.shape[-2:] not in ((3, 3), (4, 4)) or matrix.size not in (9, 16):
         raise UsageError(f"`intrinsics` has the shape {matrix.shape}: it takes a 3 x 3 matrix")
     matrix = matrix.reshape(matrix.shape[-2:])
-    return tuple(float(matrix[at]) for at in ((0, 0), (1, 1), (0, 2), (1, 2)))
+    numbers = tuple(float(matrix[at]) for at in ((0, 0), (1, 1), (0, 2), (1, 2)))
+    if not all(0.0 < number < math.inf for number in numbers):
+        other = "; a projection matrix of OpenGL is another one: give `fov` or `window`" if len(matrix) == 4 else ""
+        raise UsageError(
+            "`intrinsics` has fx {:g}, fy {:g}, cx {:g} and cy {:g}: it takes [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], all above "
+            "0{}".format(*numbers, other)
+        )
+    return numbers
 
 
 class Shader(Job):
@@ -127,7 +134,8 @@ class Shader(Job):
         if "focal_length_px" in parameters:
             raise UsageError("`intrinsics` and `focal_length_px` exclude each other: give one of them")
         if focal is not None and (fov is not None or window is not None):
-            raise UsageError("a focal length excludes `fov` and `window`: give one of them")
+            name = "focal_length_px" if intrinsics is None else "intrinsics"
+            raise UsageError(f"`{name}` excludes `fov` and `window`: give one of them")
         if native.is_true(orthographic, "orthographic") and window is None:
             raise UsageError("an orthographic camera takes `window`: left, right, bottom and top, in scene units")
         self._fov = None if fov is None else native.number(fov, "fov")
@@ -307,15 +315,19 @@ def shade(
     the pixel's ray; "window": 0 at the plane `near`, 1 at `far`, as in a depth buffer; "reversed": the opposite. NaN
     and infinity, and for "planar" and "distance" 0, 1e10, 65504 and the largest float, mean that there is no surface.
     normal: (H, W, 3), view space, +x right, +y up, +z towards the camera; default: computed from depth. The parameter
-    `view_from_normal`, a 3 x 3 rotation, converts normals of another space.
-    albedo: (H, W, 3), linear, 0 to 1, or one colour. Alpha, a fourth channel, is not read.
+    `view_from_normal`, a 3 x 3 rotation, converts normals of another space; a warning states it if it can be found.
+    `normal_encoding`: "signed", or "unsigned" for components from 0 to 1, 255 or 65535; "auto": unsigned ones are
+    recognised by their lengths, and decoded with a warning.
+    albedo: (H, W, 3), linear, 0 to 1 (a warning says if it is above), or one colour. Alpha, a fourth channel, is not
+    read.
     object_id: (H, W) of integers. mask: (H, W), 0 where there is no surface. images: other planes by name, such as "emission", "direct" or "layer1.depth".
     Arrays: NumPy, torch (CPU), or any object with the buffer protocol, `__array_interface__` or DLPack; float32,
     float16, uint8 or uint16, whose 255 and 65535 mean 1. Arrays of these types are not copied, whatever their strides
     are.
     fov: vertical field of view, degrees; default: 55; of files: as the file says, else fitted, else 55.
-    intrinsics: used instead of `fov`: the 3 x 3 matrix of a pinhole camera, in pixels, or in widths and heights of the
-    picture; or `focal_length_px`, one number or (fx, fy, cx, cy).
+    intrinsics: used instead of `fov`: the 3 x 3 matrix of a pinhole camera, in pixels of these arrays (a warning says
+    if its centre is far from their middle), or in widths and heights of the picture; or `focal_length_px`, one number
+    or (fx, fy, cx, cy).
     window: used instead of `fov`: (left, right, bottom, top) at distance 1, or in scene units for `orthographic`.
     look: a name of umbrage.looks(); default: "studio", and "comp" for files with a beauty. effects: effects that run,
     in this order, instead of the look.

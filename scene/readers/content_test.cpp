@@ -68,6 +68,7 @@ TEST_F(Content, OfAnotherFormatThanTheNameIsRead) {
                   fmt::format("the file ends in .{}, but its content is .{}, which is read", name, format));
       }
     }
+  EXPECT_EQ(read("model.", kPly).warnings.at(0), "the file has no ending, but its content is .ply, which is read");
   EXPECT_EQ(read("model.txt", kPly).triangle_count(), 1u) << "a name that is not known";
   EXPECT_EQ(read("points.ply", "0 0 0\n1 0 0\n0 1 1\n").point_count(), 3u);
   expect_error("a.off", "3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "its first word is not OFF");
@@ -182,8 +183,33 @@ TEST_F(Content, ColorsOfPointsHaveTheirScale) {
   expect_same("b.xyz", "0 0 0 65535 0 13107\n1 0 0 13107 26214 0\n0 1 0 52428 65535 0\n", "b.xyz", bytes);
   expect_same("c.pts", "3\n0 0 0 200 255 0 51\n1 0 0 9 51 102 0\n0 1 0 0 204 255 0\n", "c.xyz", bytes);
   expect_same("d.xyz", "//X Y Z I R G B\n0 0 0 7 255 0 51\n1 0 0 8 51 102 0\n0 1 0 9 204 255 0\n", "d.xyz", bytes);
+  expect_same("e.xyz", "0 0 0 255.0 0 51\n1 0 0 51 102 .0\n0 1 0 204.0000001 255 0\n", "e.xyz", bytes);
+  expect_same("f.xyz", "0 0 0 0 0 1 2e2 30.5 12.0\n1 0 0 0 1 0 0 1 2\n", "f.xyz",
+              "x y z r g b\n0 0 0 200 30.5 12\n1 0 0 0 1 2");
+  EXPECT_TRUE(read("g.xyz", "0 0 0 200.5 30 12 0.5\n1 0 0 0 1 2 7\n").meshes[0].colors.empty()) << "which three?";
   EXPECT_FALSE(read("n.xyz", "0 0 0 1 0 0\n1 0 0 0 0.6 0.8\n").meshes[0].colors.size() > 0) << "normals";
   EXPECT_TRUE(read("o.xyz", "0 0 0 -1 0.5 0\n1 0 0 0 0.5 0.5\n").meshes[0].colors.empty());
+}
+
+TEST_F(Content, ValuesOfPointsThatAreNotDrawnAreNamed) {
+  const auto warning = [&](const char* name, const std::string& text) {
+    const Scene scene = read(name, text);
+    EXPECT_EQ(scene.warnings.size(), 1u) << text;
+    return scene.warnings.empty() ? "" : scene.warnings[0];
+  };
+  const std::string advice = "; a first line such as 'x y z r g b nx ny nz' names the columns";
+  EXPECT_EQ(warning("a.xyz", "0 0 0 0.5\n1 0 0 7\n"), "not drawn: column 4" + advice);
+  EXPECT_EQ(warning("b.xyz", "0 0 0 5.5 0 0 -1 9\n1 0 0 6 0 1 0 9\n"), "not drawn: column 4, 8" + advice);
+  EXPECT_EQ(warning("c.xyz", "x y z class r g b time\n0 0 0 5 0 0 1 9\n1 0 0 6 0 1 0 9\n"),
+            "not drawn: 'class', 'time'");
+  const std::string xyz = "property float x\nproperty float y\nproperty float z\n", end = "end_header\n";
+  const std::string vertices = "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz,
+                    faces = "element face 1\nproperty list uchar int vertex_indices\n" + end,
+                    rows = "0 0 0 1 5\n1 0 0 2 6\n0 1 0 3 7\n";
+  EXPECT_EQ(warning("a.ply", vertices + "property float quality\nproperty int flags\n" + faces + rows + "3 0 1 2\n"),
+            "not drawn: 'quality', 'flags'");
+  EXPECT_EQ(read("b.ply", vertices + "property float scalar_A\nproperty float scalar_B\n" + end + rows).warnings.at(0),
+            "not drawn: 'scalar_B'");
 }
 
 TEST_F(Content, ColorsOfPlyMayBePackedIntoOneNumber) {

@@ -165,7 +165,8 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   scene.name = file.filename().string();
   if (const std::string read_as = format_of_file(file), named = import_format(file); read_as != named)
     scene.warnings.insert(scene.warnings.begin(),
-                          fmt::format("the file ends in .{}, but its content is .{}, which is read", named, read_as));
+                          fmt::format("the file {}, but its content is .{}, which is read",
+                                      named.empty() ? "has no ending" : "ends in ." + named, read_as));
   make_printable(scene);
   if (const float length = glm::length(settings.up); length > 0.0f && std::isfinite(length)) {
     scene.up = settings.up / length;

@@ -292,6 +292,15 @@ void warn_of_ignored(const Header& header, const Contents& contents, Scene& scen
     if (element.count == 0) continue;
     if (element.name == "edge") scene.warnings.push_back(fmt::format("{} edges are not drawn", element.count));
     if (element.name == "material") scene.warnings.push_back("the file's materials are not drawn");
+    if (element.name != "vertex" || !contents.splats.empty()) continue;
+    const bool draws_scalar =
+        contents.mesh.indices.empty() || !contents.mesh.colors.empty() || !contents.faces.colors.empty();
+    std::vector<std::string> lost;
+    const Slots slots(element);
+    for (std::size_t k = 0; k < slots.of.size(); ++k)
+      if (slots.of[k] == kNowhere || (slots.of[k] == kScalar && !draws_scalar))
+        lost.push_back("'" + element.properties[k].name + "'");
+    if (!lost.empty()) scene.warnings.push_back(fmt::format("not drawn: {}", fmt::join(lost, ", ")));
   }
   if (contents.transparent) scene.warnings.push_back("the property 'alpha' is not drawn: surfaces are opaque");
   if (!header.textures.empty() && contents.mesh.uvs.empty() && !contents.has_textures)

@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/lists.h"
@@ -70,8 +71,9 @@ glm::vec3 triple(const Row& row, std::size_t first) {
   return {float(row.values[first]), float(row.values[first + 1]), float(row.values[first + 2])};
 }
 
-/// Returns what a colour of 1 is in three columns: 1, or 255 or 65535 if they are integers; 0 if they are no colours.
-float color_scale(const std::vector<Row>& rows, std::size_t first) {
+/// Returns what a colour of 1 is in three columns: 1, or 255 or 65535 if they are integers, or 255 if they may have
+/// `decimals`; 0 if they are no colours.
+float color_scale(const std::vector<Row>& rows, std::size_t first, bool decimals) {
   double max = 0.0;
   bool is_whole = true;
   for (const Row& row : rows)
@@ -82,7 +84,8 @@ float color_scale(const std::vector<Row>& rows, std::size_t first) {
       is_whole = is_whole && v == std::floor(v);
     }
   if (max <= 1.0) return 1.0f;
-  return !is_whole || max > 65535.0 ? 0.0f : max > 255.0 ? 65535.0f : 255.0f;
+  if (max <= 255.0) return is_whole || decimals ? 255.0f : 0.0f;
+  return is_whole && max <= 65535.0 ? 65535.0f : 0.0f;
 }
 
 bool are_normals(const std::vector<Row>& rows, std::size_t first) {
@@ -100,16 +103,17 @@ struct PointColumns {
 };
 
 /// Finds the columns of colours and normals from `first` on by their values. Integers above 255 are colours only if no
-/// others are: they may be an intensity and two components.
+/// others are: they may be an intensity and two components. So are decimals above 1, and only without other columns.
 PointColumns columns_by_values(const std::vector<Row>& rows, std::size_t first, std::size_t columns) {
   PointColumns out;
-  for (const float max_scale : {255.0f, 65535.0f})
+  for (const auto [max_scale, decimals] : {std::pair(255.0f, false), {65535.0f, false}, {255.0f, true}}) {
+    if (decimals && columns != first + (out.normal == kNoColumn ? 3 : 6)) break;
     for (std::size_t at = first; at + 3 <= columns; ++at) {
       if (at == out.color || at == out.normal) {
         at += 2;
         continue;
       }
-      const float scale = out.color == kNoColumn ? color_scale(rows, at) : 0.0f;
+      const float scale = out.color == kNoColumn ? color_scale(rows, at, decimals) : 0.0f;
       if (out.normal == kNoColumn && are_normals(rows, at))
         out.normal = at;
       else if (scale > 0.0f && scale <= max_scale)
@@ -118,6 +122,7 @@ PointColumns columns_by_values(const std::vector<Row>& rows, std::size_t first, 
         continue;
       at += 2;
     }
+  }
   return out;
 }
 
@@ -136,6 +141,7 @@ Scene scene_of(Mesh mesh, const std::vector<glm::dvec3>& positions, const fs::pa
 /// What a line of column names says.
 struct NamedColumns {
   std::vector<std::size_t> order;  ///< for each column of the file its place in a row; empty: no names
+  std::vector<std::string> names;  ///< of the columns of ordered rows
   PointColumns columns;            ///< of ordered rows
 };
 
@@ -168,6 +174,8 @@ NamedColumns columns_by_names(std::string_view line) {
   out.columns.normal = std::min(place({"nx", "ny", "nz"}), place({"normal_x", "normal_y", "normal_z"}));
   for (std::size_t& column : order)
     if (column == kNoColumn) column = next++;
+  out.names.resize(names.size());
+  for (std::size_t k = 0; k < names.size(); ++k) out.names[order[k]] = std::move(names[k]);
   out.order = std::move(order);
   return out;
 }
@@ -233,6 +241,24 @@ std::size_t common_columns(std::vector<Row>& rows) {
   return common;
 }
 
+/// Adds a warning about columns that are not drawn. An intensity beside colours is no loss.
+void warn_of_columns(const NamedColumns& named, const PointColumns& columns, std::size_t first, std::size_t count,
+                     std::vector<std::string>& warnings) {
+  const bool has_names = named.order.size() >= count;
+  std::vector<std::string> lost;
+  for (std::size_t k = first; k < count; ++k) {
+    const auto is_in = [&](std::size_t triple) { return k >= triple && k < triple + 3; };
+    if (is_in(columns.normal) || (columns.color_scale > 0.0f && is_in(columns.color))) continue;
+    if (!has_names)
+      lost.push_back(std::to_string(k + 1));
+    else if (!columns.color_scale || (named.names[k] != "i" && named.names[k] != "intensity"))
+      lost.push_back("'" + named.names[k] + "'");
+  }
+  if (lost.empty()) return;
+  warnings.push_back(fmt::format("not drawn: {}{}{}", has_names ? "" : "column ", fmt::join(lost, ", "),
+                                 has_names ? "" : "; a first line such as 'x y z r g b nx ny nz' names the columns"));
+}
+
 }  // namespace
 
 Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
@@ -260,14 +286,16 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
         fmt::format("{} of {} lines have fewer columns than others and are left out", before - rows.size(), before));
   PointColumns columns = read.named.columns;
   const auto is_there = [&](std::size_t first) { return first + 3 <= count; };
+  std::size_t first = 3;
   if (read.named.order.size() < count) {
     // In .pts files an intensity comes between position and colour.
-    constexpr std::size_t kFirst = 3, kWithIntensity = 7;
-    const bool has_intensity = count == kWithIntensity && lowercase(without_gz(path).extension().string()) == ".pts";
-    columns = columns_by_values(rows, kFirst + has_intensity, count);
+    constexpr std::size_t kWithIntensity = 7;
+    first += count == kWithIntensity && lowercase(without_gz(path).extension().string()) == ".pts";
+    columns = columns_by_values(rows, first, count);
   } else if (is_there(columns.color)) {
-    columns.color_scale = color_scale(rows, columns.color);
+    columns.color_scale = color_scale(rows, columns.color, true);
   }
+  warn_of_columns(read.named, columns, first, count, warnings);
   Mesh mesh;
   if (is_there(columns.normal))
     for (const Row& row : rows) mesh.normals.push_back(triple(row, columns.normal));
