@@ -312,6 +312,17 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   return plan;
 }
 
+namespace {
+
+/// Sets what depends on the camera, for another one than that of make_plan.
+void set_camera_dependent(const Scene& scene, Plan& plan) {
+  plan.sky_gain = sky_gain(plan);
+  if (auto measured = resolve_lengths(scene, plan); !measured) fail_check(measured.error().message);
+  set_given(scene, plan);
+}
+
+}  // namespace
+
 Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
   Plan plan = first;
   if (angle_deg == 0.0f) return plan;
@@ -330,9 +341,15 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
     }
   }
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());
-  plan.sky_gain = sky_gain(plan);
-  if (auto measured = resolve_lengths(scene, plan); !measured) fail_check(measured.error().message);
-  set_given(scene, plan);
+  set_camera_dependent(scene, plan);
+  return plan;
+}
+
+Plan seen_from(const Plan& first, const Scene& scene, const Framing& framing) {
+  Plan plan = first;
+  plan.recipe.framing = framing;
+  plan.camera = frame_scene(scene, framing, plan.recipe.width, plan.recipe.height);
+  set_camera_dependent(scene, plan);
   return plan;
 }
 

@@ -71,6 +71,9 @@ void adjust_lights(const Recipe& recipe, const Camera& camera, bool of_studio, s
 /// with it; the scene's own lights, and those placed for a camera inside the scene, belong to the model.
 Plan turned(const Plan& first, const Scene& scene, float angle_deg);
 
+/// Returns the plan with another view of the scene. The lights stay where they are.
+Plan seen_from(const Plan& first, const Scene& scene, const Framing& framing);
+
 /// Returns the program of sample 0.
 Program program_of(const Plan& plan);
 

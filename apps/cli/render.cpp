@@ -12,6 +12,7 @@
 #include "apps/cli/output.h"
 #include "apps/cli/picture_file.h"
 #include "apps/cli/progress.h"
+#include "apps/cli/render_frames.h"
 #include "apps/cli/render_options.h"
 #include "apps/cli/render_time.h"
 #include "apps/cli/standard_input.h"
@@ -31,26 +32,6 @@
 
 namespace umbrage::cli {
 namespace {
-
-/// The files to write and the number of frames, checked before the model is read.
-struct Output {
-  int frames = 1;
-  bool is_turntable = false, is_video = false;  ///< a video is a turntable, too
-  FrameNames names;                             ///< file names of a turntable that is not a video
-  Sequence sequence;                            ///< frames of a turntable that is not a video
-
-  bool is_sequence() const { return is_turntable && !is_video; }
-};
-
-/// A command line whose options are checked and resolved, before the model is read.
-struct RenderJob {
-  Output output;
-  LineFile lines;
-  Recipe requested;  ///< recipe of all options, for warnings about unused settings
-  Recipe recipe;     ///< recipe reduced to the planes that the output needs
-  ImportSettings model_import;
-  double memory = 0.0;
-};
 
 /// Draws the picture in strips directly into its file. Shows progress on `line`.
 Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device& device, const Scene& scene,
@@ -113,175 +94,6 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
   return written;
 }
 
-Result<Output> output_of(const RenderOptions& o) {
-  Output output;
-  const bool piped = o.output == kStandardOutput;
-  if (piped)
-    if (auto status = check_piped(o); !status) return status.error();
-  if ((o.turntable == 0 || is_video(o.output)) && (!o.sequence.shard.empty() || o.sequence.overwrite))
-    return field_error(o.sequence.overwrite ? "--overwrite" : "--shard", "",
-                       "{} is for the numbered pictures of --turntable");
-  if (o.turntable == 0) {
-    if (is_video(o.output) && !format_of(o.output))
-      return field_error("--output", o.output,
-                         "'{1}' is a video, which needs several frames: give --turntable, such as --turntable 120");
-    if (piped) return output;
-    if (has_frame_number(o.output))
-      print_warning(
-          fmt::format("'{}' is one picture of this name: numbers in names are for frames of --turntable", o.output));
-    if (auto writable = check_writable(o.output); !writable) return with_field(writable.error(), "--output");
-    if (const auto known = extension_of(o.output); !known) return known.error();
-    return output;
-  }
-  output.frames = o.turntable;
-  output.is_turntable = true;
-  output.is_video = is_video(o.output);
-  if (output.is_video) return output;
-  if (piped)
-    return field_error("--turntable", o.turntable,
-                       "{} {} writes several pictures, and -o - takes one: name a file, such as turn.png");
-  auto names = frame_names(o.output, "--output");
-  if (!names) return with_field(names.error(), "--output");
-  output.names = *names;
-  for (const int frame : {0, output.frames - 1})
-    if (auto writable = check_writable(names->of(frame)); !writable) return with_field(writable.error(), "--output");
-  if (const auto known = extension_of(names->of(0)); !known) return known.error();
-  return output;
-}
-
-/// What all frames of a model need.
-struct Drawing {
-  const RenderOptions& o;
-  const RenderJob& job;
-  Device& device;
-  const Scene& scene;
-  const Plan& plan;
-  SteadyFrames frames;
-  SteadySequence sequence;
-  Destination destination;          ///< of the first frame
-  std::optional<float> stops = {};  ///< exposure of the first frame, used for all
-  bool is_first = true;
-  std::mutex mutex = {};  ///< guards the device and the members above it
-};
-
-/// Returns the frames of a turntable.
-SteadyFrames frames_of(const RenderOptions& o, const RenderJob& job, const Scene& scene, const Plan& first) {
-  SteadyFrames frames{.reach = o.steady, .end = job.output.frames, .is_closed = true};
-  frames.plan = [&, count = job.output.frames](int frame) {
-    constexpr float kWholeTurnDeg = 360.0f;
-    Plan plan = turned(first, scene, kWholeTurnDeg * float(frame) / float(count));
-    if (plan.recipe.is_steady) plan.first_noise += frame * plan.recipe.frames;  // noise moves, so that it averages out
-    return plan;
-  };
-  return frames;
-}
-
-/// Draws a frame.
-Result<Drawn> draw_of_frame(Drawing& all, const FrameTask& task, StageTimes& times, TimedSamples& timed) {
-  const ProgressMonitor monitor = timed.monitor();
-  if (all.plan.recipe.is_steady && task.writes)
-    return all.sequence.draw(task.frame, times, monitor, all.stops, timed.continuation());
-  return draw(all.device, all.scene, all.frames.plan(task.frame), times, monitor, all.stops, timed.continuation());
-}
-
-/// Draws a frame and writes its files. While one thread writes, another can draw.
-Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) {
-  const RenderOptions& o = all.o;
-  const RenderJob& job = all.job;
-  std::unique_lock lock(all.mutex);
-  times.last = std::chrono::steady_clock::now();
-  const ScopedPlanePool kept(all.device.pool());
-  TimedSamples timed(o.time_s, task.monitor);
-  const auto picture = draw_of_frame(all, task, times, timed);
-  if (!picture) return picture.error();
-  if (o.time_s > 0.0 && o.verbose) {
-    task.wipe_progress();
-    fmt::print(stderr, "{}\n", timed.summary(all.plan));
-  }
-  const Frame& frame = picture->frame;
-  all.stops = picture->stops;
-  if (all.is_first) {
-    const auto planes = all.device.view(frame, hint_planes(job.recipe));
-    if (!planes) return planes.error();
-    HintStatistics statistics;
-    statistics.add(planes->plane("depth"), planes->find("ao"));
-    task.wipe_progress();
-    print_hints(job.recipe, statistics, all.scene);
-    all.destination.first_info = frame.info;
-    all.is_first = false;
-  }
-  if (!task.writes) return {};
-  if (job.lines) {
-    if (auto written = write_lines(job.lines, task.frame, all.device, frame); !written) return written;
-    times.done("lines");
-  }
-  if (job.lines.alone) return {};
-  Destination destination = all.destination;
-  if (job.output.is_sequence()) destination.file = job.output.names.of(task.frame);
-  const auto names = o.writes_passes() ? pass_planes_of(o, all.device.plane_names(frame), frame.info)
-                                       : Result<std::vector<std::string>>(picture_planes(o, destination));
-  if (!names) return names.error();
-  const auto image = download_passes(all.device, frame, *names);
-  if (!image) return image.error();
-  lock.unlock();
-  const Camera camera = inner_camera(frame.info);
-  const glm::dmat4 view = view_from_file(camera.view_from_world, all.scene.origin);
-  const WriteSettings settings{.bits = o.bits(),
-                               .half = o.half,
-                               .quality = o.picture_quality,
-                               .threads = all.device.threads(),
-                               .camera = &camera,
-                               .view_from_world = &view};
-  auto written = write_picture(
-      destination, convert_for_file(o, destination, *image, *names, job.recipe.settings, destination.first_info),
-      settings);
-  times.done("write");
-  return written;
-}
-
-/// Draws a picture, or the frames of a video one after the other.
-Result<void> draw_in_order(Drawing& all, Video* video, StageTimes& times) {
-  ProgressLine line;
-  const int frames = all.job.output.frames;
-  all.destination.video = video;
-  for (int frame = 0; frame < frames; ++frame) {
-    const auto monitor = [&](double done) {
-      line.show(frames == 1 ? "drawing" : fmt::format("drawing frame {} of {}", frame + 1, frames),
-                (frame + done) / frames);
-      return true;
-    };
-    const FrameTask task{.frame = frame, .monitor = monitor, .wipe_progress = [&] { line.wipe(); }};
-    if (auto status = draw_frame(all, task, times); !status) return status;
-  }
-  if (!video) return {};
-  line.show("finishing " + all.o.output);
-  if (auto written = video->finish(); !written) return written;
-  times.done("write");
-  return {};
-}
-
-/// Draws and writes all frames.
-Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& device, const Scene& scene,
-                         const Plan& plan, StageTimes& times) {
-  const ScopedPlanePool kept(device.pool());
-  const SteadyFrames frames = frames_of(o, job, scene, plan);
-  Drawing all{o, job, device, scene, plan, frames, {device, scene, frames}, {o.output, nullptr, {}}};
-  if (!job.output.is_turntable) return draw_in_order(all, nullptr, times);
-  if (job.output.is_video) {
-    auto video = Video::begin(o.output, video_settings(o, o.request.width, o.request.height));
-    return video ? draw_in_order(all, video->get(), times) : Result<void>(video.error());
-  }
-  constexpr int kWorkers = 3;  // one draws with all threads while the others write
-  std::vector<StageTimes> times_of(kWorkers);
-  const auto make = [&](const FrameTask& task) { return draw_frame(all, task, times_of[std::size_t(task.worker)]); };
-  auto made = make_sequence(job.output.sequence,
-                            {.activity = "drawing", .verbose = o.verbose, .make = make, .start_workers = [] {
-                               return Result<int>(kWorkers);
-                             }});
-  for (const StageTimes& worker : times_of) add_times(times, worker);
-  return made;
-}
-
 /// Sets what follows from the format of the file: a scene-linear picture in .exr, and the passes of the preset
 /// `beauty`. Errors: kUsage.
 Result<void> choose_picture(RenderOptions& o) {
@@ -303,10 +115,13 @@ Result<void> choose_picture(RenderOptions& o) {
 /// Checks the options. Errors: kUsage; kFile for a file that cannot be written.
 Result<RenderJob> make_job(const RenderOptions& o) {
   RenderJob job;
-  const auto output = output_of(o);
+  const auto import_with = import_settings(o.request);
+  if (!import_with) return import_with.error();
+  job.model_import = *import_with;
+  if (o.animates && !job.model_import.animation_index) job.model_import.animation_index = 0;
+  auto output = output_of(o, job.model_import);
   if (!output) return output.error();
-  job.output = *output;
-  auto lines = line_file_of(o, output->is_turntable ? output->frames : 0);
+  auto lines = line_file_of(o, output->is_moving() ? output->count : 0);
   if (!lines) return lines.error();
   job.lines = std::move(*lines);
   const auto memory = parse_memory(o.memory);
@@ -315,7 +130,8 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
   const Effect* technique = find_effect(recipe->occlusion);  // the others have no noise that could flicker
-  recipe->is_steady = output->is_turntable && o.steady > 0 && technique && !technique->noise.empty();
+  recipe->is_steady =
+      output->is_moving() && !output->is_animation() && o.steady > 0 && technique && !technique->noise.empty();
   job.requested = job.recipe = std::move(*recipe);
   const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)
                                 : o.output == kStandardOutput ? "png"
@@ -345,18 +161,15 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   if (output->is_video)
     if (auto status = check_video(o.output, video_settings(o, o.request.width, o.request.height)); !status)
       return status.error();
-  const auto import_with = import_settings(o.request);
-  if (!import_with) return import_with.error();
-  job.model_import = *import_with;
-  if (!output->is_sequence()) return job;
+  job.output = std::move(*output);
+  if (!job.output.is_sequence()) return job;
   SequenceFiles files;
   files.shared.assign(o.models.begin(), o.models.end());
   files.shared.emplace_back(o.request.hdri_file);
-  if (!job.lines.alone) files.outputs.push_back(output->names);
+  files.shared.emplace_back(o.camera_path);
+  if (!job.lines.alone) files.outputs.push_back(job.output.names);
   if (job.lines) files.outputs.push_back(job.lines.names);
-  std::vector<int> range(std::size_t(output->frames));
-  std::iota(range.begin(), range.end(), 0);
-  auto sequence = plan_sequence(o.sequence, files, std::move(range));
+  auto sequence = plan_sequence(o.sequence, files, job.output.frames);
   if (!sequence) return sequence.error();
   job.output.sequence = std::move(*sequence);
   return job;
@@ -383,7 +196,7 @@ Result<StripSizes> planned_strips(const RenderOptions& o, const RenderJob& job, 
   };
   if (o.writes_only("all")) return too_large("--passes", " all", "name the passes, or raise --memory");
   if (o.time_s > 0.0) return too_large("--time", "", "raise --memory, or lower --resolution");
-  if (job.output.is_turntable) return too_large("--turntable", "", "raise --memory, or lower --resolution");
+  if (job.output.is_moving()) return too_large(job.output.motion, "", "raise --memory, or lower --resolution");
   return strips;
 }
 
@@ -510,21 +323,12 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   command->add_option("--svg", options->svg, "also write the look's lines as curves to this .svg file")
       ->type_name("FILE")
       ->group(output);
-  add_number(*command, "--turntable", options->turntable, {1, 100000, NumberKind::kInteger},
-             "number of frames for one turn of the model, written as turn_0000.png and so on, or as a video",
-             "one picture")
-      ->group(output);
-  add_number(*command, "--steady", options->steady, {0, 8, NumberKind::kInteger},
-             "frames before and after each frame of a turntable whose occlusion and indirect light it shares, so that "
-             "their noise does not flicker; 0: none",
-             "3")
-      ->group(output);
+  add_frame_options(*command, *options);
   command
       ->add_flag("--same-view", options->same_view,
                  "draw each model alone, with one camera, ground and exposure, to --output 'out/{stem}.png', where "
                  "{stem} is the name of the model")
       ->group(output);
-  add_sequence_options(*command, options->sequence, false);
   add_frame_rate(*command, options->frame_rate);
   add_output_options(*command, *options,
                      "approximate memory limit, such as 6G or 500M; a picture that needs more is drawn in strips");

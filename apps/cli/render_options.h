@@ -10,9 +10,11 @@ namespace umbrage::cli {
 
 struct RenderOptions : CommonOptions {
   std::string output, svg, memory = "6G";
-  int turntable = 0;       ///< number of frames; 0: one picture
-  int steady = 3;          ///< frames before and after a frame of a turntable with which it is joined
-  bool same_view = false;  ///< each model is drawn alone, to a file of its own
+  int turntable = 0;        ///< number of frames; 0: one picture
+  int steady = 3;           ///< frames before and after a frame of a sequence with which it is joined
+  std::string camera_path;  ///< file of key cameras; empty: none
+  bool animates = false;    ///< draws the animation of the file
+  bool same_view = false;   ///< each model is drawn alone, to a file of its own
   SequenceOptions sequence;
   double frame_rate = 30.0;  ///< frames per second of a video
   double time_s = 0.0;       ///< for drawing each picture, seconds; 0: only the samples of the quality

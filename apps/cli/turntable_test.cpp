@@ -55,7 +55,7 @@ double difference(const Image& a, const Image& b) {
 
 TEST_F(TurntableTest, WritesNumberedPictures) {
   good(kSolids + "--quality draft -o one.png");
-  const Outcome outcome = good(kSolids + "--quality draft -o turn.png --turntable 3 --json");
+  const Outcome outcome = good(kSolids + "--quality draft -o turn.png --turntable 3 --steady 0 --json");
   EXPECT_EQ(names(),
             (std::set<std::string>{"one.png", "turn.frames", "turn_0000.png", "turn_0001.png", "turn_0002.png"}));
   EXPECT_EQ(text_of(folder_ / "turn_0000.png"), text_of(folder_ / "one.png"));
@@ -268,6 +268,58 @@ TEST_F(TurntableTest, AMovingModelHasOneViewAndExposure) {
   good("rise.gltf" + small + "-o rise.png");
   good("still.gltf" + small + "-o still.png");
   EXPECT_EQ(text_of(folder_ / "rise.png"), text_of(folder_ / "still.png"));
+}
+
+TEST_F(TurntableTest, AnAnimationIsASequence) {
+  write("rise.bin", rising_bin());
+  write("rise.gltf", rising_gltf(true));
+  write("still.gltf", rising_gltf(false));
+  const std::string small = " --device cpu --resolution 64x64 ";
+  good("rise.gltf" + small + "--animate --frame-rate 1.5 -o all.png");
+  EXPECT_TRUE(fs::exists(folder_ / "all_0003.png"));  // 2 s
+  EXPECT_FALSE(fs::exists(folder_ / "all_0004.png"));
+  good("rise.gltf" + small + "--animate --frame-rate 1.5 -o some.png --frames 2");
+  EXPECT_EQ(text_of(folder_ / "all_0002.png"), text_of(folder_ / "some_0002.png"));
+  good("rise.gltf" + small + "--animation-time 2 -o end.png");
+  EXPECT_EQ(text_of(folder_ / "all_0003.png"), text_of(folder_ / "end.png"));
+  EXPECT_GT(difference(image("all_0000.png"), image("all_0003.png")), 0.01);
+  bad("still.gltf --animate -o all.png", 2, {"--animate", "'still.gltf' has none"});
+  bad("rise.gltf --animate -o all.png --frames 9-120", 2, {"--frames 9-120", "0 to 60"});
+  bad("rise.gltf --animate -o -", 2, {"--animate", "-o -"});
+  bad("rise.gltf --animate --turntable 3 -o all.png", 2, {"--animate", "--turntable"});
+}
+
+TEST_F(TurntableTest, ACameraPathIsASequence) {
+  // The camera stands still for the last second.
+  write("path.csv",
+        "time,position_x,position_y,position_z,focal_point_x,focal_point_y,focal_point_z\n"
+        "0,8,3,8,0,1,0\n1,0,4,10,0,1,0\n1.5,-8,2,6,0,1,0\n2.5,-8,2,6,0,1,0\n");
+  const std::string line = kSolids + "--camera-path path.csv --frame-rate 4 ";
+  good(line + "-o whole.png");
+  EXPECT_TRUE(fs::exists(folder_ / "whole_0010.png"));
+  EXPECT_FALSE(fs::exists(folder_ / "whole_0011.png"));
+  good(line + "-o part.png --shard 2/3");
+  for (int frame = 3; frame < 7; ++frame)
+    EXPECT_EQ(text_of(folder_ / fmt::format("part_{:04}.png", frame)),
+              text_of(folder_ / fmt::format("whole_{:04}.png", frame)));
+  EXPECT_NE(text_of(folder_ / "whole_0000.png"), text_of(folder_ / "whole_0001.png"));
+  good(kSolids + "--camera-path path.csv --steady 0 -o one.png --frames 0 --frame-rate 4");
+  good(kSolids + "--camera-position 8,3,8 --camera-focal-point 0,1,0 -o single.png");
+  EXPECT_EQ(text_of(folder_ / "one_0000.png"), text_of(folder_ / "single.png"));
+  write("back.csv",
+        "time,position_x,position_y,position_z,focal_point_x,focal_point_y,focal_point_z\n"
+        "1,8,3,8,0,1,0\n0,0,4,10,0,1,0\n");
+  bad(kSolids + "--camera-path back.csv -o x.png", 3, {"'back.csv', key camera 2", "not after"});
+  bad(kSolids + "--camera-path path.csv --turntable 2 -o x.png", 2, {"--turntable", "--camera-path"});
+}
+
+TEST_F(TurntableTest, FramesOfAStandingCameraAreEqual) {
+  write("path.csv",
+        "time,position_x,position_y,position_z,focal_point_x,focal_point_y,focal_point_z\n"
+        "0,8,3,8,0,1,0\n1,8,3,8,0,1,0\n");
+  good(kSolids + "--camera-path path.csv --frame-rate 2 -o p.png");
+  for (const char* name : {"p_0001.png", "p_0002.png"})
+    EXPECT_EQ(text_of(folder_ / name), text_of(folder_ / "p_0000.png"));
 }
 
 TEST_F(TurntableTest, ModelsWithTheSameViewAreDrawnAlone) {

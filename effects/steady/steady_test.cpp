@@ -78,8 +78,7 @@ TEST(Steady, LeavesOutOtherSurfacesAndBackground) {
     Image& image = g.layers[0];
     if (what == std::string("other_depth")) image.plane(what) = Plane(kWidth, kHeight, kDepth * 1.2f);
     if (what == std::string("depth")) image.plane(what) = Plane(kWidth, kHeight, INFINITY);
-    if (what == std::string("other_normal"))
-      std::swap(image.plane("other_normal.x"), image.plane("other_normal.z"));
+    if (what == std::string("other_normal")) std::swap(image.plane("other_normal.x"), image.plane("other_normal.z"));
     on_every_target("steady", g, {}, [&](const Image& made) {
       for (int x = 0; x < kWidth; ++x) EXPECT_EQ(made.plane("ao").at(x, 7), 0.5f) << what << " " << x;
     });

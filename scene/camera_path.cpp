@@ -1,0 +1,191 @@
+// Reads camera paths, and evaluates their curve: a Catmull-Rom spline with the times of the keys as knots [Barry and
+// Goldman 1988]. Without times the knots are centripetal [Yuksel et al. 2011]: the curve has no loops between keys.
+#include "scene/camera_path.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/lists.h"
+#include "core/numbers.h"
+#include "core/suggest.h"
+
+namespace umbrage {
+namespace {
+
+constexpr std::array<std::string_view, 11> kColumns = {"position_x",    "position_y",    "position_z", "focal_point_x",
+                                                       "focal_point_y", "focal_point_z", "up_x",       "up_y",
+                                                       "up_z",          "view_angle",    "time"};
+constexpr std::size_t kAngle = 9, kTime = 10;
+constexpr std::size_t kMaxKeys = 1000000;
+
+using Row = std::map<std::string, double>;  // values by column
+
+std::string trimmed(const std::string& text) {
+  const auto begin = text.find_first_not_of(" \t\r\"");
+  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(" \t\r\"") - begin + 1);
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  std::stringstream rest(line);
+  for (std::string cell; std::getline(rest, cell, ',');) cells.push_back(trimmed(cell));
+  return cells;
+}
+
+Result<std::vector<Row>> rows_of_csv(std::istream& in, const std::string& file) {
+  std::vector<Row> rows;
+  std::vector<std::string> names;
+  int number = 0;
+  for (std::string line; std::getline(in, line) && rows.size() <= kMaxKeys;) {
+    ++number;
+    if (trimmed(line).empty() || trimmed(line)[0] == '#') continue;
+    const auto cells = cells_of(line);
+    if (names.empty()) {
+      names = cells;
+      continue;
+    }
+    if (cells.size() != names.size())
+      return file_error("'{}', line {}: {} values for {} columns", file, number, cells.size(), names.size());
+    Row& row = rows.emplace_back();
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      const auto value = parse_number(cells[k]);
+      if (!value) return file_error("'{}', line {}: {} is '{}', which is no number", file, number, names[k], cells[k]);
+      row[names[k]] = *value;
+    }
+  }
+  return rows;
+}
+
+Result<std::vector<Row>> rows_of_json(std::istream& in, const std::string& file) {
+  std::vector<Row> rows;
+  try {
+    const auto keys = nlohmann::json::parse(in);
+    if (!keys.is_array()) return file_error("'{}' is no array of key cameras", file);
+    for (const auto& key : keys) {
+      Row& row = rows.emplace_back();
+      for (const auto& [name, value] : key.items()) {
+        if (value.is_number()) row[name] = value.get<double>();
+        if (value.is_number()) continue;
+        const auto vector = value.get<std::array<double, 3>>();
+        for (std::size_t k = 0; k < vector.size(); ++k) row[fmt::format("{}_{}", name, "xyz"[k])] = vector[k];
+      }
+    }
+  } catch (const nlohmann::json::exception& error) {
+    return file_error("'{}', key camera {}: {}", file, rows.size(), error.what());
+  }
+  return rows;
+}
+
+/// Checks the columns of a row, which is a key camera. Errors: kFile.
+Result<void> check_row(const Row& row, std::size_t number, const std::string& file) {
+  for (const auto& [name, value] : row) {
+    if (!contains(kColumns, name))
+      return file_error("'{}': there is no column '{}'{}", file, name, suggestion(name, kColumns));
+    if (!std::isfinite(value)) return file_error("'{}', key camera {}: {} is not finite", file, number, name);
+  }
+  for (std::size_t k = 0; k < kColumns.size(); ++k) {
+    const bool is_vector_begun = k >= 6 && k < kAngle && row.contains(std::string(kColumns[6]));
+    if ((k < 6 || is_vector_begun) && !row.contains(std::string(kColumns[k])))
+      return file_error("'{}', key camera {}: {} is missing; a path has the columns {}", file, number, kColumns[k],
+                        fmt::join(kColumns, ", "));
+  }
+  return {};
+}
+
+glm::dvec3 vector_at(const std::array<double, 10>& key, std::size_t first) {
+  return {key[first], key[first + 1], key[first + 2]};
+}
+
+}  // namespace
+
+Result<CameraPath> CameraPath::read(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return file_error("cannot read '{}'", file);
+  const bool is_json = (in >> std::ws).peek() == '[' || in.peek() == '{';
+  const auto rows = is_json ? rows_of_json(in, file) : rows_of_csv(in, file);
+  if (!rows) return rows.error();
+  if (rows->size() < 2) return file_error("'{}' has {} key cameras; a path needs two", file, rows->size());
+  if (rows->size() > kMaxKeys) return file_error("'{}' has more than {} key cameras", file, kMaxKeys);
+  CameraPath result;
+  const bool has_times = rows->front().contains("time");
+  for (std::size_t k = 0; k < rows->size(); ++k) {
+    const Row& row = (*rows)[k];
+    if (auto status = check_row(row, k + 1, file); !status) return status.error();
+    if (row.size() != rows->front().size())
+      return file_error("'{}', key camera {}: it has other columns than the first", file, k + 1);
+    Key& key = result.keys_.emplace_back();
+    for (std::size_t column = 0; column < kValues; ++column)
+      if (const auto found = row.find(std::string(kColumns[column])); found != row.end()) key[column] = found->second;
+    if (vector_at(key, 0) == vector_at(key, 3))
+      return file_error("'{}', key camera {}: position and focal point are equal", file, k + 1);
+    if (has_times) result.times_.push_back(row.at("time"));
+    if (has_times && k > 0 && result.times_[k] <= result.times_[k - 1])
+      return file_error("'{}', key camera {}: its time, {}, is not after that of the one before", file, k + 1,
+                        result.times_[k]);
+  }
+  result.has_up_ = rows->front().contains("up_x");
+  result.has_angle_ = rows->front().contains(std::string(kColumns[kAngle]));
+  if (!has_times) result.set_even_times();
+  return result;
+}
+
+void CameraPath::set_even_times() {
+  times_ = {0.0};
+  for (std::size_t k = 1; k < keys_.size(); ++k) {
+    const double way = glm::distance(vector_at(keys_[k], 0), vector_at(keys_[k - 1], 0)) +
+                       glm::distance(vector_at(keys_[k], 3), vector_at(keys_[k - 1], 3));
+    times_.push_back(times_.back() + std::sqrt(way));
+  }
+  // A camera that stands still takes a second, too.
+  const double scale = times_.back() > 0.0 ? double(keys_.size() - 1) / times_.back() : 0.0;
+  for (std::size_t k = 1; k < times_.size(); ++k)
+    times_[k] = scale > 0.0 ? std::max(times_[k] * scale, times_[k - 1] + 1e-3) : double(k);
+}
+
+void CameraPath::set_camera(double time_s, Framing& framing) const {
+  const double time = std::clamp(times_.front() + time_s, times_.front(), times_.back());
+  const auto next = std::upper_bound(times_.begin() + 1, times_.end() - 1, time);
+  const auto k = next - times_.begin() - 1;  // the segment from key k to k + 1
+  const auto last = long(keys_.size()) - 1;
+  // Beyond its ends the path goes on straight.
+  const auto key_at = [&](long index, std::size_t value) {
+    if (index < 0) return 2.0 * keys_[0][value] - keys_[1][value];
+    if (index > last) return 2.0 * keys_[std::size_t(last)][value] - keys_[std::size_t(last - 1)][value];
+    return keys_[std::size_t(index)][value];
+  };
+  const auto time_at = [&](long index) {
+    if (index < 0) return 2.0 * times_[0] - times_[1];
+    if (index > last) return 2.0 * times_[std::size_t(last)] - times_[std::size_t(last - 1)];
+    return times_[std::size_t(index)];
+  };
+  Key at;
+  for (std::size_t value = 0; value < kValues; ++value) {
+    std::array<double, 4> p;
+    for (long i = 0; i < 4; ++i) p[std::size_t(i)] = key_at(k - 1 + i, value);
+    for (long width = 1; width <= 3; ++width)
+      for (long i = 0; i + width < 4; ++i) {
+        // The last round interpolates between the inner knots.
+        const long from = width == 3 ? 1 : i, to = width == 3 ? 2 : i + width;
+        const double begin = time_at(k - 1 + from), end = time_at(k - 1 + to);
+        const double share = (time - begin) / (end - begin);
+        p[std::size_t(i)] += (p[std::size_t(i + 1)] - p[std::size_t(i)]) * share;
+      }
+    at[value] = p[0];
+  }
+  framing.position = vector_at(at, 0);
+  framing.focal_point = vector_at(at, 3);
+  framing.direction.reset();
+  if (has_up_) framing.view_up = glm::vec3(vector_at(at, 6));
+  if (has_angle_) framing.view_angle_deg = float(std::clamp(at[kAngle], 0.1, 179.0));
+}
+
+}  // namespace umbrage
