@@ -1,5 +1,6 @@
-// Reads camera paths, and evaluates their curve: a Catmull-Rom spline with the times of the keys as knots [Barry and
-// Goldman 1988]. Without times the knots are centripetal [Yuksel et al. 2011]: the curve has no loops between keys.
+// Reads camera paths, and evaluates their curve: a cubic Hermite spline with the tangents of a Catmull-Rom spline whose
+// knots are the times of the keys. Without times the knots are centripetal [Yuksel et al. 2011]: the curve has no loops
+// between keys.
 #include "scene/camera_path.h"
 
 #include <fmt/format.h>
@@ -151,35 +152,27 @@ void CameraPath::set_even_times() {
     times_[k] = scale > 0.0 ? std::max(times_[k] * scale, times_[k - 1] + 1e-3) : double(k);
 }
 
+double CameraPath::speed(std::size_t k, std::size_t value) const {
+  const auto of_segment = [&](std::size_t begin) {
+    return (keys_[begin + 1][value] - keys_[begin][value]) / (times_[begin + 1] - times_[begin]);
+  };
+  const bool is_first = k == 0, is_last = k + 1 == keys_.size();
+  if (is_first || is_last) return of_segment(is_first ? 0 : k - 1);
+  if (keys_[k] == keys_[k - 1] || keys_[k] == keys_[k + 1]) return 0.0;  // where the camera stands, it comes to rest
+  const double before = times_[k] - times_[k - 1], after = times_[k + 1] - times_[k];
+  return (of_segment(k - 1) * after + of_segment(k) * before) / (before + after);
+}
+
 void CameraPath::set_camera(double time_s, Framing& framing) const {
   const double time = std::clamp(times_.front() + time_s, times_.front(), times_.back());
-  const auto next = std::upper_bound(times_.begin() + 1, times_.end() - 1, time);
-  const auto k = next - times_.begin() - 1;  // the segment from key k to k + 1
-  const auto last = long(keys_.size()) - 1;
-  // Beyond its ends the path goes on straight.
-  const auto key_at = [&](long index, std::size_t value) {
-    if (index < 0) return 2.0 * keys_[0][value] - keys_[1][value];
-    if (index > last) return 2.0 * keys_[std::size_t(last)][value] - keys_[std::size_t(last - 1)][value];
-    return keys_[std::size_t(index)][value];
-  };
-  const auto time_at = [&](long index) {
-    if (index < 0) return 2.0 * times_[0] - times_[1];
-    if (index > last) return 2.0 * times_[std::size_t(last)] - times_[std::size_t(last - 1)];
-    return times_[std::size_t(index)];
-  };
+  const auto next = std::size_t(std::upper_bound(times_.begin() + 1, times_.end() - 1, time) - times_.begin());
+  const double duration = times_[next] - times_[next - 1];
+  const double u = (time - times_[next - 1]) / duration, v = 1.0 - u;
   Key at;
   for (std::size_t value = 0; value < kValues; ++value) {
-    std::array<double, 4> p;
-    for (long i = 0; i < 4; ++i) p[std::size_t(i)] = key_at(k - 1 + i, value);
-    for (long width = 1; width <= 3; ++width)
-      for (long i = 0; i + width < 4; ++i) {
-        // The last round interpolates between the inner knots.
-        const long from = width == 3 ? 1 : i, to = width == 3 ? 2 : i + width;
-        const double begin = time_at(k - 1 + from), end = time_at(k - 1 + to);
-        const double share = (time - begin) / (end - begin);
-        p[std::size_t(i)] += (p[std::size_t(i + 1)] - p[std::size_t(i)]) * share;
-      }
-    at[value] = p[0];
+    const double begin = keys_[next - 1][value], change = keys_[next][value] - begin;
+    const double bend = v * (speed(next - 1, value) * duration - change) - u * (speed(next, value) * duration - change);
+    at[value] = begin + u * (change + v * bend);
   }
   framing.position = vector_at(at, 0);
   framing.focal_point = vector_at(at, 3);

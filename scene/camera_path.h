@@ -29,6 +29,8 @@ class CameraPath {
   using Key = std::array<double, kValues>;
 
   void set_even_times();
+  /// Returns how fast a value changes at a key, per second.
+  double speed(std::size_t key, std::size_t value) const;
 
   std::vector<double> times_;
   std::vector<Key> keys_;
