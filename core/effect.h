@@ -177,6 +177,9 @@ struct Effect {
   /// For a technique that filters its own output: looks leave out the effects of kind kFilter behind it. It runs at
   /// full resolution only.
   bool filters_itself = false;
+  /// For such a technique: the names of the parameter that turns the filter on or off, and of the one that makes it
+  /// filter the planes that the frame has, without new samples: the number of frames whose samples they are.
+  std::string_view filter_switch, joined_frames;
   /// Parameters that trade time for quality, or one error for another, in the order in which tuning searches them.
   std::vector<std::string_view> tunable;
   /// Settings that differ in cost or quality, for timing and comparison: "parameter=value parameter=value". Always

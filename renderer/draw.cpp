@@ -222,12 +222,31 @@ Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan
   return draw_with(&captured, false, device, scene, plan, times, monitor, stops, {});
 }
 
+const Effect* filtered_technique(const Recipe& recipe) {
+  const Effect* technique = find_effect(recipe.occlusion);
+  if (!technique || technique->joined_frames.empty()) return nullptr;
+  const Parameter& filters = *find_parameter(*technique, technique->filter_switch);
+  return int_value(filters, params_of(recipe.settings, technique->name)) != 0 ? technique : nullptr;
+}
+
+ParameterBytes params_of_filter(const Effect& technique, int frames, ParameterBytes params) {
+  set_int(*find_parameter(technique, technique.joined_frames), frames, params);
+  return params;
+}
+
 Result<Frame> draw_technique(Device& device, const Scene& scene, const Plan& planned, StageTimes& times,
                              const ProgressMonitor& monitor) {
   const ScopedPlanePool pool_scope(device.pool());
   Plan plan = planned;
   plan.marked = false;
   const Camera camera = begin_picture(plan, {});
+  const Effect* technique = filtered_technique(plan.recipe);
+  ParameterBytes filtering;
+  if (technique) {
+    ParameterBytes& params = params_of(plan.recipe.settings, technique->name);
+    filtering = params_of_filter(*technique, 1, params);
+    set_int(*find_parameter(*technique, technique->filter_switch), 0, params);
+  }
   DrawProgress progress(monitor, steps_of_picture(plan));
   const Drawing drawing{device, times, progress, look_run(plan.recipe)};
   LookRun run = drawing.run;
@@ -236,6 +255,8 @@ Result<Frame> draw_technique(Device& device, const Scene& scene, const Plan& pla
   if (run.kept) {
     run.kept->insert(run.kept->end(), plan.given.names.begin(), plan.given.names.end());
     run.kept->insert(run.kept->end(), run.wanted->begin(), run.wanted->end());
+    for (const Dispatch& dispatch : technique ? technique->dispatches : std::vector<Dispatch>())
+      if (runs(dispatch, filtering)) run.kept->insert(run.kept->end(), dispatch.inputs.begin(), dispatch.inputs.end());
   }
   run.run_external_effect = reference_of(device, scene, plan, run.monitor);
   auto frame = drawing.capture(plan, camera);

@@ -55,8 +55,12 @@ bool same_capture(const Plan& a, const Plan& b);
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Frame& captured,
                             StageTimes& times, const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
 
-/// Captures the first picture of a plan and runs the occlusion technique, its filters and what they need. Errors:
-/// kInterrupted; the errors of the device.
+/// Returns the technique of a recipe if it filters its own samples, separately from taking them; otherwise null.
+const Effect* filtered_technique(const Recipe& recipe);
+/// Returns `params` set to filter the samples that a frame has from this number of frames.
+ParameterBytes params_of_filter(const Effect& technique, int frames, ParameterBytes params);
+/// Captures the first picture of a plan and runs the occlusion technique, its filters and what they need; but of a
+/// filtered_technique only its samples. Errors: kInterrupted; the errors of the device.
 Result<Frame> draw_technique(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                              const ProgressMonitor& monitor = {});
 /// Draws a plan from a frame of draw_technique, or a branch of it, which stays unchanged. Else as `draw`.

@@ -77,6 +77,9 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
     if (!recipe.effects_look && &effect == &effect_with<ResampleParams>() && follows_from_samples(row.name))
       return field_error("settings", assignment, "`{}` '{}': {}.{} follows from `anti_aliasing`", effect.name,
                          row.name);
+    if (!recipe.effects_look && !effect.joined_frames.empty() && row.name == effect.joined_frames)
+      return field_error("settings", assignment, "`{}` '{}': {}.{} is set for the frames of a sequence", effect.name,
+                         row.name);
     if (auto status = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !status)
       return with_field(status.error(), "settings", assignment);
     recipe.set_by_request.push_back({&effect, &row, {}});

@@ -13,28 +13,36 @@ namespace {
 
 constexpr int kSpare = 2;  // frames that are kept beyond a window, since threads may ask for frames out of order
 
+/// Returns the planes of a frame that others read.
+std::vector<std::string> joined_planes(const Device& device, const Frame& frame) {
+  const std::vector<std::string> available = device.plane_names(frame);
+  std::vector<std::string> names = {"depth", "normal.x", "normal.y", "normal.z", "ao"};
+  for (const char* name : {"traced_confidence", "indirect.r", "indirect.g", "indirect.b"})
+    if (contains(available, name)) names.emplace_back(name);
+  return names;
+}
+
 }  // namespace
 
 SteadySequence::SteadySequence(Device& device, const Scene& scene, SteadyFrames frames)
-    : device_(device), scene_(scene), frames_(std::move(frames)) {}
+    : device_(device),
+      scene_(scene),
+      frames_(std::move(frames)),
+      recipe_(frames_.plan(frames_.begin).recipe),
+      technique_(filtered_technique(recipe_)),
+      after_(technique_ ? std::min(frames_.reach, 1) : frames_.reach),
+      before_(frames_.reach - after_) {}
 
-std::vector<int> SteadySequence::neighbours(int frame) const {
+std::vector<int> SteadySequence::neighbours(int frame, int reach) const {
   const int count = frames_.end - frames_.begin;
   std::vector<int> found;
-  for (int distance = 1; distance <= frames_.reach; ++distance)
+  for (int distance = 1; distance <= reach; ++distance)
     for (int other : {frame - distance, frame + distance}) {
       if (frames_.is_closed) other = frames_.begin + ((other - frames_.begin) % count + count) % count;
       const bool inside = other >= frames_.begin && other < frames_.end;
       if (inside && other != frame && !contains(found, other)) found.push_back(other);
     }
   return found;
-}
-
-std::vector<std::string> SteadySequence::joined_planes(const Frame& frame) const {
-  std::vector<std::string> names = {"depth", "normal.x", "normal.y", "normal.z", "ao"};
-  if (contains(device_.plane_names(frame), "indirect.r"))
-    names.insert(names.end(), {"indirect.r", "indirect.g", "indirect.b"});
-  return names;
 }
 
 void SteadySequence::release_frames(int frame) {
@@ -46,7 +54,7 @@ void SteadySequence::release_frames(int frame) {
   for (auto& [each, drawn] : drawn_) {
     if (!drawn.is_finished) continue;
     std::vector<std::string> others = device_.plane_names(drawn.frame);
-    for (const std::string& name : joined_planes(drawn.frame)) std::erase(others, name);
+    for (const std::string& name : joined_planes(device_, drawn.frame)) std::erase(others, name);
     device_.release(drawn.frame, others);
   }
 }
@@ -64,45 +72,65 @@ Result<void> SteadySequence::draw_lacking(std::vector<int> frames, StageTimes& t
   return {};
 }
 
-Result<Frame> SteadySequence::joined(int frame, const std::vector<int>& others, const Plan& plan) {
+Result<Frame> SteadySequence::joined(const Frame& own, const std::vector<const Frame*>& others, bool by_samples) {
   const Effect& steady = effect_with<SteadyParams>();
-  ParameterBytes bytes = params_of(plan.recipe.settings, steady.name);
+  ParameterBytes bytes = params_of(recipe_.settings, steady.name);
   auto& params = as<SteadyParams>(bytes);
-  const Frame& own = drawn_.at(frame).frame;
   Frame joined = device_.branch(own);
   if (!contains(device_.plane_names(own), "ao")) return joined;  // the picture shows no occlusion
-  const std::vector<std::string> names = joined_planes(own);
+  const std::vector<std::string> names = joined_planes(device_, own);
   params.light = contains(names, "indirect.r");
+  params.weight = by_samples ? kSteadyRays : kSteadyEqual;
   params.begin = 1;
-  for (const int other : others) {
-    const Frame& from = drawn_.at(other).frame;
-    if (auto added = device_.add_planes_of(from, names, joined); !added) return added.error();
-    joined.info.other_camera = from.info.camera;
+  for (const Frame* other : others) {
+    if (auto added = device_.add_planes_of(*other, names, joined); !added) return added.error();
+    joined.info.other_camera = other->info.camera;
     if (auto state = device_.run(steady, bytes, joined); !state) return state.error();
     params.begin = 0;
   }
   return joined;
 }
 
+Result<void> SteadySequence::filter(int frame) {
+  Neighbour& own = drawn_.at(frame);
+  if (own.filtered) return {};
+  std::vector<const Frame*> others;
+  for (const int other : neighbours(frame, before_)) others.push_back(&drawn_.at(other).frame);
+  auto made = joined(own.frame, others, true);
+  if (!made) return made.error();
+  if (technique_ && contains(device_.plane_names(*made), "ao")) {
+    const int frames = int(others.size()) + 1;
+    const ParameterBytes params = params_of_filter(*technique_, frames, params_of(recipe_.settings, technique_->name));
+    if (auto state = device_.run(*technique_, params, *made); !state) return state.error();
+  }
+  own.filtered = std::move(*made);
+  return {};
+}
+
 Result<Drawn> SteadySequence::draw(int frame, StageTimes& times, const ProgressMonitor& monitor,
                                    std::optional<float> stops, const Continuation& more) {
   const ScopedPlanePool pool(device_.pool());
-  const std::vector<int> others = neighbours(frame);
-  const Plan plan = frames_.plan(frame);
   // Half of the progress for the frames of the window, of which mostly one is lacking.
   const auto part = [&](double begin) {
     return [&, begin](double fraction) { return !monitor || monitor(begin + 0.5 * fraction); };
   };
   release_frames(frame);
   std::erase_if(drawn_, [&](const auto& entry) { return entry.first == frame && entry.second.is_finished; });
-  std::vector<int> window = others;
+  std::vector<int> window = neighbours(frame, frames_.reach);
   window.push_back(frame);
-  if (auto drawn = draw_lacking(window, times, part(0.0)); !drawn) return drawn.error();
-  auto start = joined(frame, others, plan);
+  if (auto drawn = draw_lacking(std::move(window), times, part(0.0)); !drawn) return drawn.error();
+  if (auto done = filter(frame); !done) return done.error();
+  std::vector<const Frame*> others;
+  for (const int other : neighbours(frame, after_)) {
+    if (auto done = filter(other); !done) return done.error();
+    others.push_back(&*drawn_.at(other).filtered);
+  }
+  Neighbour& own = drawn_.at(frame);
+  auto start = joined(*own.filtered, others, false);
   if (!start) return start.error();
   times.done("steady");
-  auto drawn = draw_after_technique(device_, scene_, plan, *start, times, part(0.5), stops, more);
-  drawn_.at(frame).is_finished = true;
+  auto drawn = draw_after_technique(device_, scene_, frames_.plan(frame), *start, times, part(0.5), stops, more);
+  own.is_finished = true;
   return drawn;
 }
 

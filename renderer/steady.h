@@ -1,10 +1,14 @@
 // Steady sequences: the occlusion and indirect light of a frame are joined with those of the frames before and after
 // it, along surfaces (effects/steady). A frame depends on the frames of its window alone, so any frame can be drawn by
 // itself, with the same bytes.
+//
+// If the technique has a filter, most frames are joined before it, by their numbers of samples, and the nearest ones
+// once more after it: this has less error than joining after the filter, and less flicker than joining before it.
 #pragma once
 #include <functional>
 #include <map>
 #include <optional>
+#include <vector>
 
 #include "renderer/draw.h"
 
@@ -31,24 +35,28 @@ class SteadySequence {
 
  private:
   struct Neighbour {
-    Frame frame;               ///< of draw_technique
-    bool is_finished = false;  ///< its picture is drawn: only the planes that others read are needed
+    Frame frame;                         ///< of draw_technique
+    std::optional<Frame> filtered = {};  ///< a branch: joined, and filtered
+    bool is_finished = false;            ///< its picture is drawn: only the planes that others read are needed
   };
 
-  /// Returns the frames with which a frame is joined, without itself, from the nearest on.
-  std::vector<int> neighbours(int frame) const;
-  /// Returns the planes of a frame that others read.
-  std::vector<std::string> joined_planes(const Frame& frame) const;
+  /// Returns the frames at most `reach` frames before and after a frame, without itself, from the nearest on.
+  std::vector<int> neighbours(int frame, int reach) const;
   /// Releases frames that are outside the window of `frame`, and the planes of finished ones that no other reads.
   void release_frames(int frame);
-  /// Draws those of the frames that are not there.
+  /// Draws the technique of those of the frames that are not there.
   Result<void> draw_lacking(std::vector<int> frames, StageTimes& times, const ProgressMonitor& monitor);
-  /// Returns a branch of a frame, joined with the others.
-  Result<Frame> joined(int frame, const std::vector<int>& others, const Plan& plan);
+  /// Filters a frame's technique, joined with the frames around it, if that is not done.
+  Result<void> filter(int frame);
+  /// Returns a branch of a frame, joined with others. `by_samples`: weights are numbers of samples, otherwise equal.
+  Result<Frame> joined(const Frame& own, const std::vector<const Frame*>& others, bool by_samples);
 
   Device& device_;
   const Scene& scene_;
   const SteadyFrames frames_;
+  const Recipe recipe_;            ///< of all frames
+  const Effect* const technique_;  ///< filtered_technique
+  const int after_, before_;       ///< reach of the join after the filter, and of the one before it
   std::map<int, Neighbour> drawn_;
 };
 

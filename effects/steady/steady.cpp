@@ -64,16 +64,17 @@ Effect effect_steady() {
        .summary = "join the occlusion and indirect light of neighbouring frames of a sequence, along surfaces",
        .variants = {"", "light=on"},
        .neutral = {{"other_depth", 0.0f}, {"steady_weight", 1.0f}, {"traced_confidence", 0.5f}},
-       .dispatches = {{.name = "ao",
-                       .inputs = inputs,
-                       .outputs = {"ao", "steady_weight"},
-                       .kernel = steady_ao_kernel(),
-                       .needed = joins_no_light},
-                      {.name = "light",
-                       .inputs = with_light,
-                       .outputs = {"ao", "steady_weight", "indirect.r", "indirect.g", "indirect.b"},
-                       .kernel = steady_light_kernel(),
-                       .needed = joins_light}}});
+       .dispatches = {
+           {.name = "ao",
+            .inputs = inputs,
+            .outputs = {"ao", "steady_weight", "traced_confidence"},
+            .kernel = steady_ao_kernel(),
+            .needed = joins_no_light},
+           {.name = "light",
+            .inputs = with_light,
+            .outputs = {"ao", "steady_weight", "traced_confidence", "indirect.r", "indirect.g", "indirect.b"},
+            .kernel = steady_light_kernel(),
+            .needed = joins_light}}});
 }
 
 }  // namespace umbrage

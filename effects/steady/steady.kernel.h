@@ -3,13 +3,13 @@
 // each other frame; `steady_weight` is the sum of weights so far.
 // KERNEL steady_ao: LIGHT=0
 // KERNEL steady_light: LIGHT=1
-IN_REAL(traced_confidence)
 IN_REAL(other_depth)
 IN_VECTOR(other_normal)
 IN_REAL(other_ao)
 IN_REAL(other_traced_confidence)
 INOUT_REAL(ao)
 INOUT_REAL(steady_weight)
+INOUT_REAL(traced_confidence)
 #if LIGHT == 1
 IN_COLOR(other_indirect)
 INOUT_COLOR(indirect)
@@ -46,7 +46,8 @@ FN void steady_pixel(Int px, Int py) {
   Vec3 light = own_indirect();
   Vec3 light_change = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
 #endif
-  Real rays = rays_of(near_traced_confidence(0, 0));
+  Real confidence = own_traced_confidence();
+  Real rays = rays_of(confidence);
   Real weight = C.begin != 0 ? rays : own_steady_weight();
   Real depth = near_depth(0, 0);
   Vec3 normal = turned_there(near_normal(0, 0));
@@ -95,10 +96,12 @@ FN void steady_pixel(Int px, Int py) {
     light = light + light_change * share;
 #endif
     weight = total;
+    if (C.weight == kSteadyRays) confidence = total / (total + 1.0f);
   }
   store_ao(own);
 #if LIGHT == 1
   store_indirect(light);
 #endif
   store_steady_weight(weight);
+  store_traced_confidence(confidence);
 }

@@ -45,6 +45,8 @@ const std::vector<Parameter> kTracedTable = {
     real_row("directional", &TracedParams::directional, {.max = 10, .zero_means = "off"},
              "factor for the direction of ambient light: open directions take the light that comes from there; as the "
              "factor of ambient light, lighting.ambient"),
+    int_row("joined", &TracedParams::joined, {.max = 17, .zero_means = "the rays are traced"},
+            "number of frames whose rays are there already and are only filtered; `steady` sets it"),
     int_row("sample_index", &TracedParams::sample_index, {.max = 1e6}, "index of the noise"),
 };
 
@@ -88,7 +90,7 @@ void fill_traced(const TracedParams& params, const PictureInfo&, TracedConstants
   c.dither = float(std::fmod(0.6180339887498949 * params.sample_index, 1.0));
   c.distance = kDistancePx;
   c.turn = float(1.0 / (1.0 - std::cos(kAngleDeg * std::numbers::pi / 180.0)));
-  const auto levels = levels_for(params.rays);
+  const auto levels = levels_for(params.rays * float(std::max(params.joined, 1)));
   for (const Level& level : levels) {
     if (level.light_only && !traces_light(params)) continue;
     const int k = c.rounds++;
@@ -116,9 +118,10 @@ bool is_filtered(const ParameterBytes& bytes) { return as<TracedParams>(bytes).f
 bool traces_light(const ParameterBytes& bytes) { return traces_light(as<TracedParams>(bytes)); }
 bool filters_light(const ParameterBytes& bytes) { return is_filtered(bytes) && traces_light(bytes); }
 bool filters_no_light(const ParameterBytes& bytes) { return is_filtered(bytes) && !traces_light(bytes); }
+bool makes_joints(const ParameterBytes& bytes) { return as<TracedParams>(bytes).joined == 0; }
 template <bool bent, bool light>
 bool traces(const ParameterBytes& bytes) {
-  return (as<TracedParams>(bytes).bent != 0) == bent && traces_light(bytes) == light;
+  return makes_joints(bytes) && (as<TracedParams>(bytes).bent != 0) == bent && traces_light(bytes) == light;
 }
 
 int traced_rounds(const ParameterBytes& bytes, const PictureInfo& info) {
@@ -176,6 +179,8 @@ Effect effect_traced() {
        .set_radius = set_radius_of<&TracedParams::radius>,
        .noise = "sample_index",
        .filters_itself = true,
+       .filter_switch = "filter",
+       .joined_frames = "joined",
        .tunable = {"rays"},
        .variants = {"", "rays=0.125", "rays=0.25", "rays=0.5", "rays=2", "rays=6 max_rays=32", "bleeding=1"},
        .quantum = 1.0,
@@ -183,6 +188,7 @@ Effect effect_traced() {
                        .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
                        .outputs = {"traced_joints"},
                        .kernel = traced_joints_kernel(),
+                       .needed = makes_joints,
                        .reach = joints_reach,
                        .columns = joints_reach,
                        .first_round_only = true},
