@@ -15,7 +15,7 @@ struct TracedParams {
   float bleeding;  // factor of indirect light; 0: off
   float ambient_bounce;
   float directional;  // factor of the direction of ambient light; 0: off
-  int sample_index;  // number of the picture, if several are averaged
+  int sample_index;   // number of the picture, if several are averaged
 };
 
 // Values of TracedParams::normal.
