@@ -1,5 +1,5 @@
-// ProgressMonitor: reports the progress of long work to its caller, who may cancel it; Poll and Watch call it during work
-// on one thread and on several.
+// ProgressMonitor: reports the progress of long work to its caller, who may cancel it; Poll and Watch call it during
+// work on one thread and on several.
 #pragma once
 #include <algorithm>
 #include <atomic>

@@ -43,8 +43,8 @@ std::string joined_by_or(const Names& names) {
   return text;
 }
 
-/// What other programs call an option or a parameter, with "-" for "_", and the name that it has here. The Python package
-/// has the file beside its code.
+/// What other programs call an option or a parameter, with "-" for "_", and the name that it has here. The Python
+/// package has the file beside its code.
 inline constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
 #include "other_names.inc"
 };

@@ -270,7 +270,7 @@ GBufferFile& GBufferFile::operator=(GBufferFile&&) noexcept = default;
 GBufferFile::~GBufferFile() = default;
 
 Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double memory, const std::string& scratch_folder,
-                                      const Conventions* first) {
+                                      const Conventions* first, bool* is_unreadable) {
   const ReadingLimits limits(std::numeric_limits<double>::infinity(), memory);
   auto state = std::make_unique<State>();
   state->memory = memory;
@@ -281,7 +281,12 @@ Result<GBufferFile> GBufferFile::open(const GBufferSettings& settings, double me
     return RawReading{.flip = settings.flip,
                       .packing = packing,
                       .memory = kStoredFraction * memory,
-                      .scratch_folder = scratch_folder};
+                      .scratch_folder = scratch_folder,
+                      .read_rows = [&](const auto&... what) {
+                        auto status = read_rows(what...);
+                        if (is_unreadable) *is_unreadable = !status;
+                        return status;
+                      }};
   };
   const auto sample_roles = [&](const Roles& some) -> Result<Samples> {
     const auto raw = RawPlanes::read(opened->headers, some, reading(nullptr));
@@ -354,9 +359,11 @@ Result<GBufferFacts> describe_gbuffer(const GBufferSettings& settings) {
   if (!opened) return opened.error();
   constexpr double kMemory = 4e9;  // bytes; larger pictures go to the folder for temporary files
   std::error_code ignored;
-  auto file = GBufferFile::open(settings, kMemory, std::filesystem::temp_directory_path(ignored).string());
+  bool is_unreadable = false;
+  auto file = GBufferFile::open(settings, kMemory, std::filesystem::temp_directory_path(ignored).string(), nullptr,
+                                &is_unreadable);
   if (file) return file->facts();
-  if (file.error().kind != ErrorKind::kFile) return file.error();
+  if (file.error().kind != ErrorKind::kFile || is_unreadable) return file.error();
   // Files whose pixels can be read may yet hold no G-buffer.
   for (const LayeredFile& header : opened->headers) {
     std::vector<int> all;

@@ -35,9 +35,9 @@ class GBufferFile {
   /// need more than a quarter of it are kept in an unnamed file in `scratch_folder`. Errors: kUsage; kFile, also if
   /// there is neither depth nor position, listing the layers that there are. `first`: conventions of the first frame of
   /// a sequence, or null. A later frame takes the meaning of depth from them, and the camera's window if no file tells
-  /// it.
+  /// it. `is_unreadable`, unless null: whether the reading of pixels failed.
   static Result<GBufferFile> open(const GBufferSettings& settings, double memory, const std::string& scratch_folder,
-                                  const Conventions* first = nullptr);
+                                  const Conventions* first = nullptr, bool* is_unreadable = nullptr);
   GBufferFile(GBufferFile&&) noexcept;
   GBufferFile& operator=(GBufferFile&&) noexcept;
   ~GBufferFile();

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 
 #include "file_folder.h"
@@ -145,6 +147,30 @@ TEST_F(GBufferFiles, MissingDepthListsTheLayers) {
   ASSERT_TRUE(facts);
   EXPECT_EQ(facts->layers.size(), 2u);
   EXPECT_EQ(facts->warnings.size(), 1u);
+}
+
+TEST_F(GBufferFiles, UnreadablePixelsAreReadOnce) {
+  Image image(512, 512);
+  unsigned noise = 1;
+  Plane& grey = image.add("grey") = Plane(512, 512);
+  for (int k = 0; k < 512 * 512; ++k)
+    grey.at(k % 512, k / 512) = float((noise = noise * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
+  GBufferSettings settings;
+  settings.depth_file = (folder / "cut.png").string();
+  ASSERT_TRUE(write_image(settings.depth_file, image, {.bits = 16}));
+  const auto size = std::filesystem::file_size(settings.depth_file) - 1000;
+  std::filesystem::resize_file(settings.depth_file, size);
+  const auto read_bytes = [] {
+    std::uintmax_t count = 0;
+    std::string word;
+    std::ifstream("/proc/self/io") >> word >> count;
+    return count;
+  };
+  const auto before = read_bytes();
+  EXPECT_FALSE(describe_gbuffer(settings));
+  const auto bytes = read_bytes() - before;
+  EXPECT_GT(bytes, size / 2);
+  EXPECT_LT(bytes, size + size / 2);
 }
 
 TEST_F(GBufferFiles, TinyPicturesAndNothingButNan) {

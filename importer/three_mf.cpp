@@ -141,9 +141,11 @@ Result<std::string> Reader::content(std::string name) const {
   std::string bytes(status.size, '\0');
   zip_file_t* stream = zip_fopen_index(archive_, status.index, 0);
   if (!stream) return unreadable(zip_strerror(archive_));
-  const zip_int64_t read = zip_fread(stream, bytes.data(), bytes.size());
+  char none = 0;  // libzip compares the checksum when it is asked for more
+  const bool is_whole =
+      zip_fread(stream, bytes.data(), bytes.size()) == zip_int64_t(bytes.size()) && zip_fread(stream, &none, 1) == 0;
   zip_fclose(stream);
-  if (read < 0 || std::size_t(read) != bytes.size()) return unreadable(fmt::format("its part '{}' is damaged", name));
+  if (!is_whole) return unreadable(fmt::format("its part '{}' is damaged", name));
   return bytes;
 }
 

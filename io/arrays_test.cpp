@@ -173,6 +173,9 @@ TEST_F(Arrays, ArraysOfAnNpzAreParts) {
   constexpr std::size_t kStoredSize = 20, kSize = 24;  // offsets in an entry of the directory
   for (const std::size_t field : {kStoredSize, kSize}) claims.replace(directory + field, 4, "\xff\xff\xff\x7f");
   expect_error("x.npz", claims, "claims 2147483647 bytes");
+  std::string changed = test::zip_of({entries[1]});  // a value that does not fit the checksum
+  changed[directory - 1] ^= 1;
+  expect_error("x.npz", changed, "its array 'depth' is damaged");
 }
 
 TEST_F(Arrays, NetpbmCommentsAndMaxima) {

@@ -310,7 +310,10 @@ std::string inflate(const fs::path& file, zip_t* zip, const Entry& entry, std::i
     if (got <= 0) break;
     filled += std::size_t(got);
   }
-  content.resize(stream ? filled : 0);
+  // libzip compares the checksum when it is asked for more.
+  char none = 0;
+  const bool has_failed = !stream || (std::int64_t(filled) == entry.size && zip_fread(stream.get(), &none, 1) != 0);
+  content.resize(has_failed ? 0 : filled);
   return content;
 }
 

@@ -5,9 +5,9 @@
 #include <limits>
 #include <vector>
 
+#include "core/effect.h"
 #include "core/gbuffer.h"
 #include "core/image.h"
-#include "core/effect.h"
 #include "core/result.h"
 #include "rays/traced_scene.h"
 #include "reference/held_occluders.h"

@@ -6,10 +6,10 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
-#include <string>
-#include <vector>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/light.h"
 

@@ -70,8 +70,7 @@ fs::path record_of(const FrameNames& names) {
 
 /// Returns the name of a frame's file in the record: relative to the record's folder.
 std::string recorded_name(const Sequence& sequence, const fs::path& file) {
-  const fs::path record = fs::absolute(record_of(sequence.outputs.front()));
-  return fs::absolute(file).lexically_relative(record.parent_path()).generic_string();
+  return file.lexically_relative(record_of(sequence.outputs.front()).parent_path()).generic_string();
 }
 
 /// Returns the record's line for a file of this request; empty if there is no such file.
@@ -296,6 +295,7 @@ Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFil
   }
   if (options.command && !files.outputs.empty()) {
     sequence.outputs = files.outputs;
+    for (FrameNames& names : sequence.outputs) names.before = (fs::current_path() / names.before).string();
     sequence.request = request_of(*options.command);
   }
   const auto record = sequence.outputs.empty() ? FrameRecord() : read_record(sequence.outputs.front());

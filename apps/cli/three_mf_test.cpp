@@ -260,6 +260,10 @@ TEST_F(ThreeMf, DamagedFilesAreRefused) {
       "contain each other");
   write("empty.3mf", zip_of({{"a.txt", "hello"}}));
   bad("empty.3mf -o out.png", 3, {"'3D/3dmodel.model' is missing"});
+  std::string changed = whole;
+  changed[changed.find("vertex x=\"") + 10] ^= 1;
+  write("changed.3mf", changed);
+  bad("changed.3mf -o out.png", 3, {"'3D/3dmodel.model' is damaged"});
   std::string far = object_3mf(cube_3mf(1.0));
   far.replace(far.find("v1=\"0\""), 6, "v1=\"9\"");
   write("far.3mf", three_mf_of(far));

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
+#include <future>
 #include <nlohmann/json.hpp>
 
 #include "core/guarded.h"
@@ -35,7 +35,10 @@ Result<std::unique_ptr<Drawing>> Drawing::start(DrawingSettings settings, Send s
   drawing->devices_[""].device = std::move(*device);
   for (const ModelSource& source : drawing->settings_.models) drawing->models_.add(source);
   drawing->encoder_ = std::make_unique<Encoder>();
-  drawing->thread_ = std::thread([d = drawing.get()] { d->run(); });
+  drawing->thread_ = std::thread([d = drawing.get()] {
+    std::unique_lock lock(d->mutex_);
+    d->draw_until(lock, [d] { return d->stopping_; });
+  });
   if (drawing->settings_.watch) drawing->watching_ = std::thread([d = drawing.get()] { d->watch(); });
   return drawing;
 }
@@ -78,15 +81,6 @@ Drawing::Progress* Drawing::wanted_view(const Task& task) {
 void Drawing::pick(PageId id, Pick pick) {
   const std::lock_guard lock(mutex_);
   pages_[id].pick = pick;
-  changed_.notify_all();
-}
-
-void Drawing::acknowledge(PageId id, std::int64_t frame) {
-  const std::lock_guard lock(mutex_);
-  const auto page = pages_.find(id);
-  if (page == pages_.end()) return;
-  auto& frames = page->second.unacknowledged;
-  frames.erase(frames.begin(), frames.upper_bound(frame));
   changed_.notify_all();
 }
 
@@ -137,14 +131,12 @@ bool Drawing::is_wanted(const Task& task) {
   return task.step <= Step::kMoving || wanted_view(task);
 }
 
-/// Returns whether there is work more urgent than this.
 bool Drawing::is_urgent_elsewhere(Step limit) {
   const std::lock_guard lock(mutex_);
   const auto next = next_task();
   return next && next->step < limit;
 }
 
-/// Returns whether another view is due for further samples.
 bool Drawing::is_turn_over(const Task& task) {
   const std::lock_guard lock(mutex_);
   Progress* view = wanted_view(task);
@@ -154,21 +146,12 @@ bool Drawing::is_turn_over(const Task& task) {
   return next && (next->page != task.page || next->view != task.view);
 }
 
-void Drawing::run() {
-  std::unique_lock lock(mutex_);
-  draw_until(lock, [&] { return stopping_; });
-}
-
 void Drawing::read_aside(int model, const std::function<void()>& read) {
   bool is_read = false;
-  std::exception_ptr failure;
+  std::packaged_task<void()> reading(read);
   std::unique_lock lock(mutex_);
-  std::thread reader([&] {
-    try {
-      read();
-    } catch (...) {
-      failure = std::current_exception();
-    }
+  std::jthread reader([&] {
+    reading();
     const std::lock_guard own(mutex_);
     is_read = true;
     changed_.notify_all();
@@ -178,9 +161,7 @@ void Drawing::read_aside(int model, const std::function<void()>& read) {
   draw_until(lock, [&] { return is_read; });
   task_begin_ = begin;
   reading_.erase(model);
-  lock.unlock();
-  reader.join();
-  if (failure) std::rethrow_exception(failure);
+  reading.get_future().get();  // throws what `read` threw
 }
 
 void Drawing::draw_until(std::unique_lock<std::mutex>& lock, const std::function<bool()>& ends) {
@@ -206,7 +187,8 @@ void Drawing::draw_until(std::unique_lock<std::mutex>& lock, const std::function
 void Drawing::finish(const Task& task, const Result<void>& status) {
   const bool interrupted = !status && status.error().kind == ErrorKind::kInterrupted;
   if (std::exchange(has_status_, false)) send_.text(task.page, status_text(task.state->id, ""));
-  if (!status && !interrupted) send_error(task, status.error());
+  if (!status && !interrupted)
+    send_.text(task.page, error_text(with_option_names(status.error().message), task.state->id, task.view));
   const std::lock_guard lock(mutex_);
   Progress* view = task.step == Step::kPick ? nullptr : wanted_view(task);
   if (!view) return;
@@ -220,18 +202,13 @@ void Drawing::finish(const Task& task, const Result<void>& status) {
     view->next = task.step == Step::kMoving ? Step::kDone : Step::kExact;
 }
 
-void Drawing::send_error(const Task& task, const Error& error) {
-  send_.text(task.page, error_text(with_option_names(error.message), task.state->id, task.view));
-}
-
-ProgressMonitor Drawing::monitor_of(const Task& task) {
-  return [this, &task](double progress) {
+ProgressMonitor Drawing::monitor_of(const Task& task, Step limit) {
+  return [this, &task, limit](double progress) {
     report(task, progress);
-    return is_wanted(task);
+    return is_wanted(task) && !is_urgent_elsewhere(limit);
   };
 }
 
-/// Tells the page of the progress of a first picture that takes long.
 void Drawing::report(const Task& task, double progress) {
   const auto now = Clock::now();
   if (task.samples > 0 || now - task_begin_ < kStatusDelay || now - last_status_ < kStatusInterval) return;
@@ -241,14 +218,15 @@ void Drawing::report(const Task& task, double progress) {
 }
 
 std::string Drawing::device_key(const Task& task) const {
-  return task.shown().device == settings_.device ? "" : task.shown().device;
+  const std::string key = task.shown().device == settings_.device ? "" : task.shown().device;
+  return failed_devices_.contains(key) ? "cpu" : key;
 }
 
 Result<DrawingDevice*> Drawing::device_of(const Task& task) {
   const std::string key = device_key(task);
-  DrawingDevice& slot = devices_[failed_devices_.contains(key) ? "cpu" : key];
+  DrawingDevice& slot = devices_[key];
   if (slot.device) return &slot;
-  auto device = make_device(failed_devices_.contains(key) ? "cpu" : key, settings_.threads);
+  auto device = make_device(key, settings_.threads);
   if (!device) return device.error();
   slot.device = std::move(*device);
   return &slot;
@@ -267,7 +245,7 @@ Result<void> Drawing::perform(const Task& task) {
   auto status = device ? draw(task, *loaded->model, **device, *request) : Result<void>(device.error());
   if (status || status.error().kind != ErrorKind::kDevice) return status;
   const std::string key = device_key(task);
-  if (failed_devices_.contains(key) || (device && (*device)->device->name() == "cpu")) return status;
+  if (key == "cpu" || (device && (*device)->device->name() == "cpu")) return status;
   // A device that fails, such as one whose driver was reset, is not used again.
   models_.forget_captures();
   devices_.erase(key);
@@ -276,9 +254,9 @@ Result<void> Drawing::perform(const Task& task) {
   send_.text(task.page,
              error_text(fmt::format("the device {} has failed, the CPU goes on: {}",
                                     key.empty() ? settings_.device : key, with_option_names(status.error().message))));
-  const auto other = device_of(task);
-  if (other) send_.text(task.page, text_of_json({{"type", "device"}, {"device", (*other)->device->description()}}));
-  return other ? draw(task, *loaded->model, **other, *request) : Result<void>(other.error());
+  if (const auto other = device_of(task))
+    send_.text(task.page, text_of_json({{"type", "device"}, {"device", (*other)->device->description()}}));
+  return perform(task);
 }
 
 Result<ModelList::Loaded> Drawing::load(const Task& task, const Request& request) {
@@ -291,18 +269,17 @@ Result<ModelList::Loaded> Drawing::load(const Task& task, const Request& request
     }
     return is_model_wanted(task);
   };
-  bool has_read = false;
-  const auto begin = [&] {
-    has_read = true;
-    report(0.0);
-  };
   const auto keep = [&](const Error& error) {
     // Without a view: it stays on the page when the next frame comes.
-    const std::string message = fmt::format("{}; the model that was read before is shown", error.message);
-    send_.text(task.page, error_text(with_option_names(message)));
+    send_.text(task.page, error_text(with_option_names(error.message) + "; the model that was read before is shown"));
   };
-  const auto aside = [&](const std::function<void()>& read) { read_aside(task.state->model, read); };
-  auto loaded = models_.loaded(task.state->model, request, begin, keep, report, aside);
+  bool has_read = false;
+  const auto aside = [&](const std::function<void()>& read) {
+    has_read = true;
+    report(0.0);
+    read_aside(task.state->model, read);
+  };
+  auto loaded = models_.loaded(task.state->model, request, keep, report, aside);
   if (has_read) send_.text(task.page, status_text(task.state->id, ""));
   return loaded;
 }
@@ -338,15 +315,12 @@ void Drawing::remember_draft(const Task& task, std::pair<int, int> size) {
   moving_size_ = size;
 }
 
-bool Drawing::is_still(const Task& task) const {
-  return task.page == moving_page_ && camera_text(task.shown()) == moving_camera_;
-}
-
 /// Returns the size of a moving picture. While only settings change, its captures are kept, so that a larger picture is
 /// in time; but a change of the size needs new ones.
 std::pair<int, int> Drawing::moving_size(const Task& task, const std::string& key) {
   const int width = task.state->width, height = task.state->height;
-  const bool keeps_captures = is_still(task) && moving_size_.first > 0;
+  const bool is_still = task.page == moving_page_ && camera_text(task.shown()) == moving_camera_;
+  const bool keeps_captures = is_still && moving_size_.first > 0;
   if (!keeps_captures || control_.expected_ms(key + kStill, width, height) == 0.0)
     return keeps_captures ? moving_size_ : control_.size(key, width, height);
   const auto size = control_.size(key + kStill, width, height);
@@ -375,11 +349,7 @@ Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& de
   control.wants_another = [&](int) {
     return !ends && is_wanted(task) && !is_urgent_elsewhere(Step::kRefined) && wait_for_page(task);
   };
-  Request refined = request;
-  if (averages_few_rays(request)) {
-    refined = with_few_rays(std::move(refined));
-    refined.anti_aliasing = 1;
-  }
+  Request refined = averages_few_rays(request) ? with_few_rays(request) : request;
   const bool is_averaged = gets_averaged(request, model.is_gbuffer());
   if (is_averaged && task.step == Step::kRefined) refined.anti_aliasing = kFirstAveraged;
   const bool is_averaged_later = is_averaged && task.step == Step::kExact;
@@ -399,15 +369,11 @@ Result<void> Drawing::draw_error(const Task& task, ViewModel& model, DrawingDevi
   const bool is_moving = task.step == Step::kMoving;
   const std::string key = control_key(task, request);
   Request sized = request;
-  DrawControl control{.moving = is_moving, .aspect = double(request.width) / request.height};
-  control.monitor = [&](double progress) {
-    report(task, progress);
-    return is_wanted(task) && !is_urgent_elsewhere(task.step == Step::kRefined ? Step::kRefined : Step::kMoving);
-  };
+  const Step limit = task.step == Step::kRefined ? Step::kRefined : Step::kMoving;
+  const double aspect = double(request.width) / request.height;
+  DrawControl control{.moving = is_moving, .aspect = aspect, .monitor = monitor_of(task, limit)};
   // While only settings change, the ground truth of this camera and size stays as it is.
-  if (is_moving)
-    std::tie(sized.width, sized.height) =
-        is_still(task) && moving_size_.first > 0 ? moving_size_ : control_.size(key, request.width, request.height);
+  if (is_moving) std::tie(sized.width, sized.height) = moving_size(task, key);
   remember_draft(task, is_moving ? std::pair(sized.width, sized.height) : moving_size_);
   StageTimes times;
   const std::string name = fmt::format("{} {}", task.state->model, model.number());
@@ -437,15 +403,13 @@ Result<void> Drawing::draw_draft(const Task& task, ViewModel& model, DrawingDevi
   }
   StageTimes times;
   control.take = [&](const Image& picture, int, bool) -> Result<void> {
-    const bool has_captured = std::any_of(times.stages.begin(), times.stages.end(),
-                                          [](const StageTimes::Stage& stage) { return stage.name == "capture"; });
+    const bool has_captured = std::ranges::count(times.stages, "capture", &StageTimes::Stage::name) > 0;
     control_.add(has_captured ? key : key + kStill, draft.width, draft.height, times.total());
     send_picture(task, picture, {.times = times});
     return {};
   };
-  auto status = model.draw(device, draft, control, times);
   remember_draft(task, !is_quick || traced ? std::pair(draft.width, draft.height) : moving_size_);
-  return status;
+  return model.draw(device, draft, control, times);
 }
 
 Result<void> Drawing::find_point(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {
@@ -496,12 +460,12 @@ void Drawing::send_picture(const Task& task, const Image& picture, FrameHeader h
   EncodeJob job{.picture = picture, .exact = !is_draft};
   job.is_wanted = [this, task, frame = header.frame] {
     const bool wanted = is_wanted(task);
-    if (!wanted) forget_frame(task.page, frame);
+    if (!wanted) forget_frames(task.page, frame, frame);
     return wanted;
   };
   job.done = [this, page = task.page, header](Result<Encoded> encoded, double ms) {
     if (!encoded) {
-      forget_frame(page, header.frame);
+      forget_frames(page, header.frame, header.frame);
       return send_.text(page, error_text(encoded.error().message, header.id, header.view));
     }
     send_.frame(page, frame_text(header, *encoded, ms));
@@ -509,9 +473,12 @@ void Drawing::send_picture(const Task& task, const Image& picture, FrameHeader h
   encoder_->add(std::move(job));
 }
 
-void Drawing::forget_frame(PageId id, std::int64_t frame) {
+void Drawing::forget_frames(PageId id, std::int64_t first, std::int64_t last) {
   const std::lock_guard lock(mutex_);
-  if (const auto page = pages_.find(id); page != pages_.end()) page->second.unacknowledged.erase(frame);
+  const auto page = pages_.find(id);
+  if (page == pages_.end()) return;
+  auto& frames = page->second.unacknowledged;
+  frames.erase(frames.lower_bound(first), frames.upper_bound(last));
   changed_.notify_all();
 }
 

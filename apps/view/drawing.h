@@ -59,7 +59,7 @@ class Drawing {
   void set_state(PageId page, State state);
   /// Answers which point of the surface the newest state shows: see pick_text.
   void pick(PageId page, Pick pick);
-  void acknowledge(PageId page, std::int64_t frame);
+  void acknowledge(PageId page, std::int64_t frame) { forget_frames(page, 0, frame); }
   void close(PageId page);
   /// Adds a file to those that pages can choose and returns its id.
   int add_model(ModelSource source) { return models_.add(std::move(source)); }
@@ -103,7 +103,6 @@ class Drawing {
   };
 
   Drawing(DrawingSettings settings, Send send) : settings_(std::move(settings)), send_(std::move(send)) {}
-  void run();
   /// Draws pictures until `ends` holds. `lock` is of `mutex_`, under which `ends` is called.
   void draw_until(std::unique_lock<std::mutex>& lock, const std::function<bool()>& ends);
   /// Runs `read`, the reading of a model, on a thread of its own; meanwhile draws pictures of other models.
@@ -117,10 +116,12 @@ class Drawing {
   bool is_wanted(const Task& task);
   /// Returns whether the page still wants the model of the task, so that reading it goes on.
   bool is_model_wanted(const Task& task);
+  /// Returns whether there is work more urgent than this.
   bool is_urgent_elsewhere(Step limit);
+  /// Returns whether another view is due for further samples.
   bool is_turn_over(const Task& task);
   bool wait_for_page(const Task& task);
-  void forget_frame(PageId id, std::int64_t frame);
+  void forget_frames(PageId id, std::int64_t first, std::int64_t last);
   void finish(const Task& task, const Result<void>& status);
 
   Result<void> perform(const Task& task);
@@ -130,20 +131,19 @@ class Drawing {
   Result<void> find_point(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request);
   Result<ModelList::Loaded> load(const Task& task, const Request& request);
   Result<void> send_model(const Task& task, const ModelList::Loaded& loaded, const Request& request);
-  /// Returns the key in devices_ of the device that a task names; empty: that of the program.
+  /// Returns the key in devices_ of the device that a task uses; empty: that of the program.
   std::string device_key(const Task& task) const;
   Result<DrawingDevice*> device_of(const Task& task);
   /// Hands a picture to the encoder. Of the header, the samples, the error and the times are given.
   void send_picture(const Task& task, const Image& picture, FrameHeader header);
   std::string control_key(const Task& task, const Request& request) const;
-  /// Keeps the camera of a draft, and the size of the last moving picture, for is_still and moving_size.
+  /// Keeps the camera of a draft, and the size of the last moving picture, for moving_size.
   void remember_draft(const Task& task, std::pair<int, int> size);
-  /// Returns whether the camera is that of the last draft.
-  bool is_still(const Task& task) const;
   std::pair<int, int> moving_size(const Task& task, const std::string& key);
-  ProgressMonitor monitor_of(const Task& task);
+  /// Returns a monitor that reports, and ends a picture that is not wanted, or for work more urgent than `limit`.
+  ProgressMonitor monitor_of(const Task& task, Step limit = Step::kPick);
+  /// Tells the page of the progress of a first picture that takes long.
   void report(const Task& task, double progress);
-  void send_error(const Task& task, const Error& error);
 
   const DrawingSettings settings_;
   const Send send_;

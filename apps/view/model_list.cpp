@@ -46,7 +46,7 @@ ModelList::Stamp ModelList::stamp_of(const std::string& file) {
   return stamp;
 }
 
-Result<ModelList::Loaded> ModelList::loaded(int id, const Request& request, const std::function<void()>& before_load,
+Result<ModelList::Loaded> ModelList::loaded(int id, const Request& request,
                                             const std::function<void(const Error&)>& keep,
                                             const ProgressMonitor& monitor,
                                             const std::function<void(const std::function<void()>&)>& aside) {
@@ -59,7 +59,6 @@ Result<ModelList::Loaded> ModelList::loaded(int id, const Request& request, cons
     return Loaded{entry.model.get(), entry.version};
   }
   lock.unlock();
-  before_load();
   const Stamp stamp = stamp_of(entry.source.file);
   Result<std::unique_ptr<ViewModel>> model = interrupted();
   aside([&] { model = ViewModel::load(entry.source.file, entry.source.is_gbuffer, request, monitor); });

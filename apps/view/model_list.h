@@ -33,12 +33,11 @@ class ModelList {
     ViewModel* model = nullptr;
     long version = 0;  ///< from 1; grows when the file or what pages know of it has changed
   };
-  /// Returns a model, loaded for this request. `before_load` is called if it must be loaded. If the file of a loaded
-  /// model has changed and cannot be read, calls `keep` with the error and returns the old one. `aside` runs the
-  /// reading; meanwhile the drawing thread may call this function for other models. Errors: those of ViewModel::load.
-  Result<Loaded> loaded(int id, const Request& request, const std::function<void()>& before_load,
-                        const std::function<void(const Error&)>& keep, const ProgressMonitor& monitor,
-                        const std::function<void(const std::function<void()>&)>& aside);
+  /// Returns a model, loaded for this request. If the file of a loaded model has changed and cannot be read, calls
+  /// `keep` with the error and returns the old one. If it must be loaded, `aside` runs the reading; meanwhile the
+  /// drawing thread may call this function for other models. Errors: those of ViewModel::load.
+  Result<Loaded> loaded(int id, const Request& request, const std::function<void(const Error&)>& keep,
+                        const ProgressMonitor& monitor, const std::function<void(const std::function<void()>&)>& aside);
 
   /// Forgets the captures of all models, before a device is destroyed. For the drawing thread.
   void forget_captures();

@@ -65,6 +65,7 @@ bool averages_few_rays(const Request& request) {
 
 Request with_few_rays(Request request) {
   request.settings.push_back(fmt::format("{}{}", kRays, kFewRays));
+  request.anti_aliasing = 1;
   return request;
 }
 

@@ -30,7 +30,7 @@ bool is_traced(const Request& request);
 /// Returns whether the reference is drawn as the mean of pictures of few rays: if the user set neither the rays nor
 /// the number of pictures nor the quality.
 bool averages_few_rays(const Request& request);
-/// Returns the request with few rays per pixel for the reference, so that its first picture takes about a second.
+/// Returns the request with few rays per pixel for the reference, and one sample, so that it takes about a second.
 Request with_few_rays(Request request);
 
 /// Number of pictures that are averaged first where the look draws one: their sample positions are balanced.

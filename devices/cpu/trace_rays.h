@@ -2,8 +2,8 @@
 #pragma once
 #include "core/effect.h"
 #include "core/gbuffer.h"
-#include "core/strip.h"
 #include "core/progress.h"
+#include "core/strip.h"
 #include "kernel/kernel_frame.h"
 #include "rays/traced_scene.h"
 

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "core/device.h"
+#include "core/effect.h"
 #include "devices/shared/soften.h"
 #include "rays/traced_scene.h"
 #include "scene/scene.h"
-#include "core/effect.h"
 
 namespace umbrage {
 

@@ -281,46 +281,19 @@ C: "OO",9,8 C: "OO",8,0 C: "OO",10,8 C: "OP",11,10,"DiffuseColor" C: "OO",12,11 
 
 Seeds fbx_seeds() {
   return {R"(; FBX 7.3.0 project file
-FBXHeaderExtension:  {
-  FBXHeaderVersion: 1003
-  FBXVersion: 7300
-}
-GlobalSettings:  {
-  Version: 1000
-  Properties70:  {
-    P: "UpAxis", "int", "Integer", "",2
-    P: "UpAxisSign", "int", "Integer", "",1
-  }
-}
-Objects:  {
-  Geometry: 11, "Geometry::", "Mesh" {
-    Vertices: *9 {
-      a: 0,0,0,1,0,0,0,1,0
-    }
-    PolygonVertexIndex: *3 {
-      a: 0,1,-3
-    }
-    GeometryVersion: 124
-  }
-  Model: 12, "Model::m", "Mesh" {
-    Version: 232
-    Properties70:  {
-      P: "Lcl Translation", "Lcl Translation", "", "A",1,2,3
-    }
-  }
-  Material: 13, "Material::m", "" {
-    Version: 102
-    ShadingModel: "phong"
-    Properties70:  {
-      P: "DiffuseColor", "Color", "", "A",0.5,0.25,1
-    }
-  }
-}
-Connections:  {
-  C: "OO",12,0
-  C: "OO",11,12
-  C: "OO",13,12
-}
+FBXHeaderExtension: { FBXHeaderVersion: 1003
+FBXVersion: 7300 }
+GlobalSettings: { Version: 1000
+Properties70: { P: "UpAxis", "int", "Integer", "",2 P: "UpAxisSign", "int", "Integer", "",1 } }
+Objects: { Geometry: 11, "Geometry::", "Mesh" { Vertices: *9 { a: 0,0,0,1,0,0,0,1,0 }
+PolygonVertexIndex: *3 { a: 0,1,-3 }
+GeometryVersion: 124 }
+Model: 12, "Model::m", "Mesh" { Version: 232
+Properties70: { P: "Lcl Translation", "Lcl Translation", "", "A",1,2,3 } }
+Material: 13, "Material::m", "" { Version: 102
+ShadingModel: "phong"
+Properties70: { P: "DiffuseColor", "Color", "", "A",0.5,0.25,1 } } }
+Connections: { C: "OO",12,0 C: "OO",11,12 C: "OO",13,12 }
 )",
           kPosedFbx, test::binary_fbx_triangle()};
 }
