@@ -43,6 +43,7 @@ struct Sequence {
   std::vector<int> all;      ///< frames of the whole range whose inputs are there, of all shards
   std::vector<int> own;      ///< those of this process that are not finished
   std::vector<int> missing;  ///< frames of this process that have no input
+  std::string doubt = {};    ///< warning of frames that `all` may lack; empty if there are none
   std::size_t finished = 0;  ///< number of frames of this process that were finished before
   std::size_t replaced = 0;  ///< of `own`, those whose files are there but cut off, or drawn by other options
 };
@@ -71,7 +72,7 @@ struct SequenceWork {
   std::function<Result<int>()> start_workers = [] { return Result<int>(1); };
 };
 
-/// Prints one line if frames were finished before, and one if frames that are there are made again.
+/// Prints one line if frames may be lacking, one if some were finished before, and one if some are made again.
 void print_kept(const Sequence& sequence);
 
 /// Makes the frames, after print_kept. The first frame of all shards
