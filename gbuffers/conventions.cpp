@@ -223,8 +223,9 @@ DepthValues collect_depths(const Deciding& d, bool is_height, const std::vector<
   const std::string& kind = d.settings.depth_kind;
   const DepthHint hint = d.roles.depth_hint;
   MayBe may;
-  may.be_low = is_height || max_integer == 255.0 || hint == DepthHint::kDisparity || hint == DepthHint::kGrey ||
-               kind == "disparity" || kind == "window";
+  may.be_bytes = kind == "auto" && gives_planes(d.settings);
+  may.be_low = is_height || (max_integer == 255.0 && !may.be_bytes) || hint == DepthHint::kDisparity ||
+               hint == DepthHint::kGrey || kind == "disparity" || kind == "window";
   may.be_buffer = kind == "window" || (kind == "auto" && !is_height && hint == DepthHint::kNone);
   return depth_values(d.samples, max_integer, may, faces, depth);
 }
@@ -283,7 +284,7 @@ Result<void> decide_depth(Deciding& d, const KnownCamera& known) {
     d.out.depth.from_position = d.first->depth.from_position;
     d.out.depth.background = d.first->depth.background;
     d.guess.trial.model = d.first->depth.model;
-    d.guess.is_relative = d.guess.assumes_planes = d.guess.may_be_buffer = false;
+    d.guess.is_relative = d.guess.assumes_planes = d.guess.may_be_buffer = d.guess.may_be_length = false;
     if (!d.out.depth.from_position) report_depth(d);
     return {};
   }

@@ -73,6 +73,7 @@ TEST(DepthKinds, EightBitsAreWarnedOfWithTheStep) {
   ASSERT_EQ(got.error, "");
   EXPECT_TRUE(has_warning(got, "different values")) << got.text();
   EXPECT_TRUE(has_warning(got, "no scale")) << got.text();
+  EXPECT_TRUE(has_warning(got, "is read as depth of unknown scale, dark is near")) << got.text();
   EXPECT_GT(order_agreement(got), 0.95) << got.text();
 }
 
