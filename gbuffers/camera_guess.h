@@ -32,8 +32,8 @@ Result<KnownCamera> known_camera(const GBufferSettings& settings, std::span<cons
 std::optional<Camera> camera_of_intrinsics(const std::vector<float>& numbers, int width, int height);
 
 /// Returns the camera that projects the sampled positions to their pixels; nothing if there are none, or no camera
-/// does.
-std::optional<ProjectionFit> position_camera(const Samples& samples);
+/// does, within `max_px` in the median.
+std::optional<ProjectionFit> position_camera(const Samples& samples, double max_px);
 
 /// Returns whether positions of this fit are relative to the camera.
 bool is_camera_space(const ProjectionFit& fit);

@@ -395,7 +395,8 @@ Result<Conventions> decide_conventions(const GBufferSettings& settings, std::spa
   if (roles.views.size() > 1) d.fact(fmt::format("view: {} (of {})", roles.view, fmt::join(roles.views, ", ")));
   const bool has_depth = d.has(Role::kDepth);
   if (settings.depth_background) d.out.depth.background.push_back(*settings.depth_background);
-  d.position = position_camera(samples);
+  constexpr double kPredicted_px = 4.0;  // of positions that a network predicts
+  d.position = position_camera(samples, kPredicted_px);
   const auto known = known_camera(settings, headers, d.position, d.out.width, d.out.height);
   if (!known) return known.error();
   if (d.has(Role::kNormal))
@@ -420,8 +421,9 @@ Result<Conventions> decide_conventions(const GBufferSettings& settings, std::spa
   if (d.values.max_integer > 0.0 && !d.out.depth.from_position && model.meaning == DepthMeaning::kPlanar)
     d.out.depth.unit = std::abs(model.scale);
   if (d.has(Role::kPosition) && !d.position)
-    d.warn(fmt::format("the positions {} are not those of a camera's picture, and are not used",
-                       roles[Role::kPosition].name));
+    d.warn(fmt::format(
+        "the positions {} are not those of a camera's picture, and {}", roles[Role::kPosition].name,
+        d.out.depth.from_position ? "depth is their distance along z: `fov_deg` sets the camera" : "are not used"));
   decide_colors(d);
   for (const Role role : {Role::kNormal, Role::kAlbedo, Role::kBeauty})
     if (d.has(role)) warn_of_nan(d, role);
