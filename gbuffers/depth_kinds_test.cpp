@@ -291,6 +291,14 @@ TEST(DepthKinds, TwoValuesAreNoSteps) {
   EXPECT_FALSE(has_warning(understand(file), "different values")) << understand(file).text();
 }
 
+TEST(DepthKinds, RowsOfALevelFloorAreNoSteps) {
+  TestFile file(scene());
+  file.add("Z", 0.0f, [](const Hit&) { return 0.0; });
+  for (std::size_t k = 0; k < file.values[0].size(); ++k)
+    file.values[0][k] = 100.0f / float(1 + k / std::size_t(scene().width));
+  EXPECT_FALSE(has_warning(understand(file), "different values")) << understand(file).text();
+}
+
 TEST(DepthKinds, ColourPictureHasNoDepth) {
   TestFile file(scene(), "PNG");
   file.max_integer = 255.0;

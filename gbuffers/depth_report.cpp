@@ -23,7 +23,13 @@ void warn_of_steps(Deciding& d) {
   const DepthValues& v = d.values;
   const bool is_byte = v.max_integer == 255.0 && d.settings.depth_packing == "none";
   constexpr std::size_t kEnough = 2000;  // samples, below which few values are no sign
-  const bool few = v.distinct <= kFewLevels && v.surfaces > kEnough;
+  // Before a level camera each row of a floor has one depth, as a float, which are no steps.
+  const auto steps = std::count_if(v.taps.begin(), v.taps.end(), [](const auto& t) {
+    return (t[kLeft] == t[kCenter] || t[kRight] == t[kCenter]) && (t[kAbove] == t[kCenter] || t[kBelow] == t[kCenter]);
+  });
+  constexpr double kSome = 0.02;  // of the surfaces
+  const bool few = v.distinct <= kFewLevels && v.surfaces > kEnough &&
+                   (v.max_integer > 0.0 || double(steps) > kSome * double(v.surfaces));
   constexpr int kMinLevels = 3;  // fewer are no steps of a slope
   if ((!is_byte && !few) || v.distinct < kMinLevels || !(v.max > v.min)) return;
   d.out.step_warning = fmt::format("the depth {} has only {} different values, steps of {} ({:.2g} % of its range)",
