@@ -158,9 +158,9 @@ bool is_camera_space(const ProjectionFit& fit) {
   return off_axis < kTolerance * kTolerance && glm::length(fit.eye) < kTolerance;
 }
 
-std::optional<ProjectionFit> position_camera(const Samples& samples) {
+std::optional<ProjectionFit> position_camera(const Samples& samples, double max_px) {
   constexpr std::size_t kMaxPoints = 8000;  // more do not improve the fit
-  constexpr double kMaxCoordinate = 1e9, kMaxDistance_px = 0.5;
+  constexpr double kMaxCoordinate = 1e9;
   const auto [x, y, z] = samples.find_three(Role::kPosition);
   if (!x || !y || !z) return std::nullopt;
   std::vector<glm::dvec3> points;
@@ -174,7 +174,7 @@ std::optional<ProjectionFit> position_camera(const Samples& samples) {
     pixels.emplace_back(samples.x[k] + 0.5, samples.y[k] + 0.5);
   }
   auto fit = fit_projection(points, pixels, samples.width, samples.height);
-  if (!fit || !(fit->median_px < kMaxDistance_px)) return std::nullopt;
+  if (!fit || !(fit->median_px < max_px)) return std::nullopt;
   // An eye that is as near to the origin as the fit is precise is at the origin.
   std::vector<double> distances;
   for (const glm::dvec3& p : points) distances.push_back(glm::length(p - fit->eye));

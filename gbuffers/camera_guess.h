@@ -36,8 +36,8 @@ std::optional<Camera> camera_of_intrinsics(const std::vector<float>& numbers, in
 std::string center_warning(const Camera& camera, int width, int height);
 
 /// Returns the camera that projects the sampled positions to their pixels; nothing if there are none, or no camera
-/// does.
-std::optional<ProjectionFit> position_camera(const Samples& samples);
+/// does, within `max_px` in the median.
+std::optional<ProjectionFit> position_camera(const Samples& samples, double max_px);
 
 /// Returns whether positions of this fit are relative to the camera.
 bool is_camera_space(const ProjectionFit& fit);

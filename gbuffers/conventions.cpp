@@ -145,6 +145,18 @@ void decide_camera(Deciding& d, const KnownCamera& known) {
     d.fact(fmt::format("camera: {:.4g} deg high, {}", angle_of(camera), source));
 }
 
+/// Returns how much stored normals differ between neighbours without a trend, degrees; the median: noise, but not that
+/// of normals that are smooth over facets.
+double roughness_deg(const Deciding& d) {
+  std::vector<double> angles;
+  for (std::size_t k = 2; k < d.normals.size(); ++k) {
+    const glm::dvec3 *n = &d.normals[k - 2], zero(0.0);
+    if (d.samples.y[k] != d.samples.y[k - 2] || n[0] == zero || n[1] == zero || n[2] == zero) continue;
+    angles.push_back(glm::length(n[0] - 2.0 * n[1] + n[2]) / std::sqrt(6.0) * 180.0 / std::numbers::pi);
+  }
+  return quantile(std::move(angles), 0.5);
+}
+
 /// Decides the rotation of normals by comparing them with normals rebuilt from depth.
 void decide_normals(Deciding& d, const KnownCamera& known) {
   if (!d.has(Role::kNormal)) return;
@@ -159,23 +171,36 @@ void decide_normals(Deciding& d, const KnownCamera& known) {
   const bool is_own =
       d.is_own(Role::kNormal, "normal") && d.settings.normal_space == "auto" && d.settings.view_from_normal.empty();
   if (is_own) d.settings.view_from_normal = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  NormalChoice choice = choose_rotation(d.settings, rebuilt, rotations);
+  // Stored normals are rounded, and a camera that is assumed tilts surfaces.
+  constexpr double kRounding_deg = 0.02, kOneStep_deg = 60.0, kAssumedCamera_deg = 5.0;
+  double slack_deg = kRounding_deg;
+  if (const double max = d.channel_of(Role::kNormal).max_integer; max > 0.0) slack_deg += kOneStep_deg / max;
+  if (known.source.empty() && d.out.camera.top == assumed_camera(d.settings.orthographic, known.aspect).top)
+    slack_deg = kAssumedCamera_deg;
+  NormalChoice choice = choose_rotation(d.settings, rebuilt, rotations, slack_deg);
   if (is_own) choice.meaning = "camera space, as Umbrage writes them";
   d.out.normal.view_from_stored = choice.view_from_stored;
-  std::string line = fmt::format("normal: {}, {}, {}", d.roles[Role::kNormal].name,
-                                 d.out.normal.offset != 0.0 ? "0..1 encoded" : "signed", choice.meaning);
-  d.fact(line);
+  d.fact(fmt::format("normal: {}, {}, {}", d.roles[Role::kNormal].name,
+                     d.out.normal.offset != 0.0 ? "0..1 encoded" : "signed", choice.meaning));
   if (is_own || !choice.median_deg) return;
-  d.fact(fmt::format("check: normals against normals rebuilt from depth: median {:.2g} deg", *choice.median_deg));
-  const bool fits = *choice.median_deg <= kNormalMismatch_deg;
+  const double misfit_deg =
+      std::max(rebuilt.bias_deg(choice.view_from_stored), std::min(*choice.median_deg, roughness_deg(d)));
+  d.fact(fmt::format("check: normals against normals rebuilt from depth: median {:.2g} deg, without facets {:.2g} deg",
+                     *choice.median_deg, misfit_deg));
+  const bool fits = misfit_deg <= kNormalMismatch_deg;
   if (!fits && d.roles.normal_is_guess) {
     d.out.is_unusable[std::size_t(Role::kNormal)] = true;
     d.fact(fmt::format("normal: {} are no normals, and are not used", d.roles[Role::kNormal].name));
   } else if (!fits)
     d.warn(fmt::format(
         "normals and depth do not fit, by {:.0f} deg in the median: `depth_kind`, `fov_deg`, `orthographic`, "
-        "`flip`, `normal_space` or `normal_encoding` may be needed",
-        *choice.median_deg));
+        "`flip`, `normal_space` or `normal_encoding` may be needed, or they are of different pictures",
+        misfit_deg));
+  else if (choice.is_open)
+    d.warn(
+        fmt::format("the normals {} have one direction, which fits many axes: {} is taken; `normal_space` or "
+                    "`view_from_normal` sets another",
+                    d.roles[Role::kNormal].name, choice.meaning));
   // A rotation that was found tells where up is in the world.
   if (choice.is_world && !known.has_view && !d.guess.trial.model.orthographic)
     d.out.camera.view_from_world = glm::mat4(
@@ -226,8 +251,9 @@ DepthValues collect_depths(const Deciding& d, bool is_height, const std::vector<
   const std::string& kind = d.settings.depth_kind;
   const DepthHint hint = d.roles.depth_hint;
   MayBe may;
-  may.be_low = is_height || max_integer == 255.0 || hint == DepthHint::kDisparity || hint == DepthHint::kGrey ||
-               kind == "disparity" || kind == "window";
+  may.be_bytes = kind == "auto" && gives_planes(d.settings);
+  may.be_low = is_height || (max_integer == 255.0 && !may.be_bytes) || hint == DepthHint::kDisparity ||
+               hint == DepthHint::kGrey || kind == "disparity" || kind == "window";
   may.be_buffer = kind == "window" || (kind == "auto" && !is_height && hint == DepthHint::kNone);
   return depth_values(d.samples, max_integer, may, faces, depth);
 }
@@ -286,7 +312,7 @@ Result<void> decide_depth(Deciding& d, const KnownCamera& known) {
     d.out.depth.from_position = d.first->depth.from_position;
     d.out.depth.background = d.first->depth.background;
     d.guess.trial.model = d.first->depth.model;
-    d.guess.is_relative = d.guess.assumes_planes = d.guess.may_be_buffer = false;
+    d.guess.is_relative = d.guess.assumes_planes = d.guess.may_be_buffer = d.guess.may_be_length = false;
     if (!d.out.depth.from_position) report_depth(d);
     return {};
   }
@@ -413,7 +439,8 @@ Result<Conventions> decide_conventions(const GBufferSettings& settings, std::spa
   if (roles.views.size() > 1) d.fact(fmt::format("view: {} (of {})", roles.view, fmt::join(roles.views, ", ")));
   const bool has_depth = d.has(Role::kDepth);
   if (settings.depth_background) d.out.depth.background.push_back(*settings.depth_background);
-  d.position = position_camera(samples);
+  constexpr double kPredicted_px = 4.0;  // of positions that a network predicts
+  d.position = position_camera(samples, kPredicted_px);
   const auto known = known_camera(settings, headers, d.position, d.out.width, d.out.height);
   if (!known) return known.error();
   if (!settings.focal_length_px.empty()) d.warn(center_warning(known->camera, d.out.width, d.out.height));
@@ -439,8 +466,9 @@ Result<Conventions> decide_conventions(const GBufferSettings& settings, std::spa
   if (d.values.max_integer > 0.0 && !d.out.depth.from_position && model.meaning == DepthMeaning::kPlanar)
     d.out.depth.unit = std::abs(model.scale);
   if (d.has(Role::kPosition) && !d.position)
-    d.warn(fmt::format("the positions {} are not those of a camera's picture, and are not used",
-                       roles[Role::kPosition].name));
+    d.warn(fmt::format(
+        "the positions {} are not those of a camera's picture, and {}", roles[Role::kPosition].name,
+        d.out.depth.from_position ? "depth is their distance along z: `fov_deg` sets the camera" : "are not used"));
   decide_colors(d);
   for (const Role role : {Role::kNormal, Role::kAlbedo, Role::kBeauty})
     if (d.has(role)) warn_of_nan(d, role);

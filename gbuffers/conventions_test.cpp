@@ -375,5 +375,98 @@ TEST(Conventions, NegativeDepthAndFlippedGreen) {
   expect_same(understand(file), scene());
 }
 
+/// The scene from farther away: nearly all of what is not background is the floor.
+TestScene far_scene(bool floor_alone = false) {
+  TestScene made;
+  made.eye = made.target + 3.5 * (made.eye - made.target);
+  made.hits.clear();
+  for (int y = 0; y < made.height; ++y)
+    for (int x = 0; x < made.width; ++x) made.hits.push_back(made.cast(x, y));
+  for (Hit& hit : made.hits) hit.found = hit.found && (!floor_alone || hit.object == 0);
+  return made;
+}
+
+/// Depth as floats, and normals of 8 bits times `signs`.
+TestFile byte_normals(const TestScene& made, const glm::dvec3& signs) {
+  TestFile file(made);
+  file.add("Z", 0.0f, depth_of);
+  file.max_integer = 255.0;
+  for (int axis = 0; axis < 3; ++axis)
+    file.add(std::string("N.") + "XYZ"[axis], 128.0f,
+             [&](const Hit& hit) { return std::round(255.0 * (signs[axis] * hit.normal_view[axis] * 0.5 + 0.5)); });
+  return file;
+}
+
+TEST(Conventions, FewPixelsTellTheAxesOfByteNormals) {
+  const TestScene made = far_scene();
+  for (const glm::dvec3 signs : {glm::dvec3(1, 1, 1), glm::dvec3(1, -1, -1), glm::dvec3(1, -1, 1)}) {
+    const Understood got = understand(byte_normals(made, signs));
+    expect_same(got, made, 1e-4, 0.02);
+    EXPECT_NEAR(fov_of(got), 40.0, 1.0) << got.text();
+    EXPECT_NE(got.text().find("camera space, x right"), std::string::npos) << got.text();
+    EXPECT_TRUE(got.facts.warnings.empty()) << got.text();
+  }
+}
+
+TEST(Conventions, OneDirectionOfNormalsLeavesAxesOpen) {
+  const Understood got = understand(byte_normals(far_scene(true), glm::dvec3(1.0)));
+  EXPECT_NE(got.text().find("camera space, x right, y up, z to the camera"), std::string::npos) << got.text();
+  EXPECT_TRUE(test::has_warning(got, "one direction")) << got.text();
+}
+
+TEST(Conventions, DepthOfAnotherPictureIsWarnedOf) {
+  TestScene moved = scene();
+  for (int y = 0; y < moved.height; ++y)
+    for (int x = 0; x < moved.width; ++x) {
+      const Hit other = moved.cast(x + 40.0, y + 12.0);
+      moved.hits[std::size_t(y * moved.width + x)].depth = other.found ? other.depth : 0.0;
+    }
+  TestScene flipped = scene();
+  for (int y = 0; y < flipped.height; ++y)
+    for (int x = 0; x < flipped.width; ++x) {
+      const Hit& other = test::hit_at(x, flipped.height - 1 - y);
+      flipped.hits[std::size_t(y * flipped.width + x)].depth = other.found ? other.depth : 0.0;
+    }
+  for (const TestScene& made : {moved, flipped})
+    for (const auto normal : {normal_view, normal_world}) {
+      TestFile file(made);
+      file.add("Z", 0.0f, depth_of);
+      file.add_vector("N", normal);
+      EXPECT_TRUE(test::has_warning(understand(file), "do not fit")) << understand(file).text();
+    }
+}
+
+TEST(Conventions, SmoothNormalsOfFacetsFitDepth) {
+  // A solid of facets around a ball, whose normals are those of the ball.
+  TestScene made;
+  made.hits.clear();
+  const glm::dvec3 center(0.0, 0.0, -6.0);
+  for (int y = 0; y < made.height; ++y)
+    for (int x = 0; x < made.width; ++x) {
+      const glm::dvec3 ray(made.top() * made.width / made.height * (2.0 * (x + 0.5) / made.width - 1.0),
+                           made.top() * (1.0 - 2.0 * (y + 0.5) / made.height), -1.0);
+      double enter = 0.0, leave = 1e9;
+      for (int k = 0; k < 32; ++k) {
+        const double height = (k / 8 + 0.5) / 2.0 - 1.0, angle = 0.785 * (k % 8) + 0.2,
+                     across = std::sqrt(1.0 - height * height);
+        const glm::dvec3 n(across * std::cos(angle), height, across * std::sin(angle));
+        const double t = (glm::dot(n, center) + 1.5) / glm::dot(n, ray);
+        (glm::dot(n, ray) < 0.0 ? enter : leave) = glm::dot(n, ray) < 0.0 ? std::max(enter, t) : std::min(leave, t);
+      }
+      Hit& hit = made.hits.emplace_back();
+      hit.found = enter < leave;
+      hit.depth = enter;
+      hit.normal_view = glm::normalize(enter * ray - center);
+    }
+  TestFile file(made);
+  file.add("Z", 0.0f, depth_of);
+  file.add_vector("N", normal_view);
+  GBufferSettings settings;
+  settings.fov_deg = 40.0f;
+  const Understood got = understand(file, settings);
+  EXPECT_TRUE(got.facts.warnings.empty()) << got.text();
+  EXPECT_NE(got.text().find("camera space, x right, y up, z to the camera"), std::string::npos) << got.text();
+}
+
 }  // namespace
 }  // namespace umbrage

@@ -61,6 +61,27 @@ TEST(DepthBuffers, DepthBuffersAreRecognisedByTheirPlanesAndBackground) {
     }
 }
 
+TEST(DepthBuffers, PlanesSayThatIntegersAreADepthBuffer) {
+  GBufferSettings settings;
+  settings.near_plane = 2.0f, settings.far_plane = 40.0f;
+  for (const double max : {255.0, 65535.0})
+    for (const bool reversed : {false, true}) {
+      const Understood got =
+          understand(grey_png(max, reversed ? 0.0f : float(max),
+                              [&](const Hit& hit) { return max * (reversed ? 1.0 - window_of(hit) : window_of(hit)); }),
+                     settings);
+      EXPECT_EQ(got.conventions.depth.model.meaning, reversed ? DepthMeaning::kReversed : DepthMeaning::kWindow)
+          << got.text();
+      EXPECT_LT(deviation(got), max > 255.0 ? 1e-3 : 0.2) << got.text();
+      EXPECT_TRUE(std::isinf(got.planes.plane("depth").at(120, 0)));
+    }
+  // Millimetres make surfaces flat as they are.
+  const Understood lengths =
+      understand(grey_png(65535, 0.0f, [](const Hit& hit) { return 1000.0 * hit.depth; }), settings);
+  EXPECT_EQ(lengths.conventions.depth.model.meaning, DepthMeaning::kPlanar) << lengths.text();
+  EXPECT_LT(deviation(lengths), 1e-3) << lengths.text();
+}
+
 TEST(DepthBuffers, PlanarDepthFromZeroToOneIsNoDepthBuffer) {
   TestFile file(scene(), "NPY");
   file.add("Y", 1.0f, [](const Hit& hit) { return hit.depth / 20.0; });

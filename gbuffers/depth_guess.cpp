@@ -134,11 +134,14 @@ void add_relative(const DepthEvidence& e, bool is_inverse, bool is_dark_high, st
   add_with_offsets(e, relative(is_inverse, is_dark_high, default_offset(e.values), e.values), list);
 }
 
+/// Returns whether the options give planes, and the values may be those of a depth buffer.
+bool has_planes(const DepthEvidence& e) {
+  return gives_planes(e.settings) && (e.values.is_unit() || e.values.max_integer > 0.0);
+}
+
 /// Adds a depth buffer; with other planes than the assumed ones if the options leave them open.
 void add_buffer(const DepthEvidence& e, DepthMeaning meaning, const DepthModel& base, std::vector<Candidate>& list) {
-  const GBufferSettings initial;
-  const bool is_set = e.settings.near_plane != initial.near_plane || e.settings.far_plane != initial.far_plane;
-  if (is_set)
+  if (has_planes(e))
     list.push_back(plain(meaning, base));
   else
     add_with_offsets(e, buffer(meaning, 0.0, base), list);
@@ -190,17 +193,18 @@ std::vector<Candidate> candidates_for(const DepthEvidence& e, const DepthModel& 
       break;
   }
   constexpr double kMaxByte = 255.0;
-  if (e.values.is_full_range() || e.values.max_integer == kMaxByte) {
+  if (!has_planes(e) && (e.values.is_full_range() || e.values.max_integer == kMaxByte)) {
     // Networks write near as bright and games near as dark; what is below in a picture is nearer.
     const bool near_is_bright = is_bright_below(e.cells);
     add_all_relative(near_is_bright, false);
     return list;
   }
-  list = {planar, distance};
+  list = {planar};
+  if (!has_planes(e)) list.push_back(distance);
   // The background of a depth buffer is exactly at the far end of its range.
   constexpr double kMinReversed = 0.5;  // fraction of the range: lower integers are lengths
   const bool is_wide = e.values.is_unit() || e.values.max > kMinReversed * e.values.max_integer;
-  if ((e.values.is_unit() || e.values.has_high_end) && is_wide) {
+  if (has_planes(e) || ((e.values.is_unit() || e.values.has_high_end) && is_wide)) {
     DepthModel unit = base;
     unit.scale = 1.0 / e.values.range_max();
     // Either makes the same surfaces flat: what is below in a picture is nearer.
@@ -208,6 +212,7 @@ std::vector<Candidate> candidates_for(const DepthEvidence& e, const DepthModel& 
     for (const bool reversed : {is_reversed, !is_reversed})
       if (!(reversed && e.values.has_high_end))
         add_buffer(e, reversed ? DepthMeaning::kReversed : DepthMeaning::kWindow, unit, list);
+    if (has_planes(e)) std::rotate(list.begin(), list.begin() + 1, list.end());
   } else if (e.cells.have_normals) {
     list.push_back(plain(DepthMeaning::kDisparity, base));
   }
@@ -251,16 +256,18 @@ void refine_offset(const DepthEvidence& e, const Cells& cells, Candidate& candid
     }
 }
 
-/// Tells whether the planes of a depth buffer are assumed, and whether a length may as well be a depth buffer. A fitted
-/// camera makes curved surfaces flat, so that distances are never clear.
+/// Tells whether the planes of a depth buffer are assumed, and whether a length may as well be a depth buffer, or the
+/// opposite. A fitted camera makes curved surfaces flat, so that distances are never clear.
 void compare_with_buffers(const DepthEvidence& e, const Cells& cells, const std::vector<Candidate>& candidates,
                           std::size_t chosen, DepthGuess& guess) {
   if (cells.have_normals) return;
   const DepthMeaning meaning = candidates[chosen].model.meaning;
   const bool is_length = meaning == DepthMeaning::kPlanar || meaning == DepthMeaning::kDistance;
   for (const Candidate& candidate : candidates) {
-    if (candidate.is_relative || !candidate.has_free_offset) continue;
     bool ignored = false;
+    if (has_planes(e) && !is_length && candidate.model.meaning == DepthMeaning::kPlanar)
+      guess.may_be_length = !is_much_better(cells, guess.trial, try_candidate(e, cells, candidate.model, ignored));
+    if (candidate.is_relative || !candidate.has_free_offset) continue;
     if (!is_length)
       guess.assumes_planes = true;
     else if (e.values.has_low_end || e.values.has_high_end)
@@ -272,10 +279,16 @@ void compare_with_buffers(const DepthEvidence& e, const Cells& cells, const std:
 std::string reason_for(const DepthEvidence& e, bool is_prior) {
   if (is_prior && e.hint != DepthHint::kNone) return "by its name";
   if (e.cells.have_normals && !e.cells.cells.empty()) return "agrees best with the normals";
-  return is_prior ? "assumed" : "makes flat surfaces flat";
+  if (is_prior) return has_planes(e) ? "since planes are given" : "assumed";
+  return "makes flat surfaces flat";
 }
 
 }  // namespace
+
+bool gives_planes(const GBufferSettings& settings) {
+  const GBufferSettings initial;
+  return settings.near_plane != initial.near_plane || settings.far_plane != initial.far_plane;
+}
 
 Camera assumed_camera(bool is_orthographic, double aspect) {
   constexpr double kAngle_deg = 55.0;

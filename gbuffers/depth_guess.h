@@ -29,10 +29,14 @@ struct DepthGuess {
   bool is_relative = false;     ///< scale and offset are not known
   bool assumes_planes = false;  ///< a depth buffer of unknown planes
   bool may_be_buffer = false;   ///< a length that may as well be a depth buffer
+  bool may_be_length = false;   ///< a depth buffer, by its planes, that may as well be a length
 };
 
 /// Returns what the depths mean. Errors: kUsage for options that contradict each other.
 Result<DepthGuess> guess_depth(const DepthEvidence& evidence);
+
+/// Returns whether the settings give a near or a far plane, which only a depth buffer has.
+bool gives_planes(const GBufferSettings& settings);
 
 /// Returns the camera that is assumed if nothing but the projection is known: 55 degrees or 2 scene units high.
 Camera assumed_camera(bool is_orthographic, double aspect);

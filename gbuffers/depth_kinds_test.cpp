@@ -73,6 +73,7 @@ TEST(DepthKinds, EightBitsAreWarnedOfWithTheStep) {
   ASSERT_EQ(got.error, "");
   EXPECT_TRUE(has_warning(got, "different values")) << got.text();
   EXPECT_TRUE(has_warning(got, "no scale")) << got.text();
+  EXPECT_TRUE(has_warning(got, "is read as depth of unknown scale, dark is near")) << got.text();
   EXPECT_GT(order_agreement(got), 0.95) << got.text();
 }
 
@@ -287,6 +288,14 @@ TEST(DepthKinds, AssumedCellSizeGivesTheSlopesOfHills) {
 TEST(DepthKinds, TwoValuesAreNoSteps) {
   TestFile file(scene());
   file.add("Z", 1.0f, [](const Hit& hit) { return 1.0 + (hit.object == 0 ? 1.0 : 0.0); });
+  EXPECT_FALSE(has_warning(understand(file), "different values")) << understand(file).text();
+}
+
+TEST(DepthKinds, RowsOfALevelFloorAreNoSteps) {
+  TestFile file(scene());
+  file.add("Z", 0.0f, [](const Hit&) { return 0.0; });
+  for (std::size_t k = 0; k < file.values[0].size(); ++k)
+    file.values[0][k] = 100.0f / float(1 + k / std::size_t(scene().width));
   EXPECT_FALSE(has_warning(understand(file), "different values")) << understand(file).text();
 }
 

@@ -23,7 +23,13 @@ void warn_of_steps(Deciding& d) {
   const DepthValues& v = d.values;
   const bool is_byte = v.max_integer == 255.0 && d.settings.depth_packing == "none";
   constexpr std::size_t kEnough = 2000;  // samples, below which few values are no sign
-  const bool few = v.distinct <= kFewLevels && v.surfaces > kEnough;
+  // Before a level camera each row of a floor has one depth, as a float, which are no steps.
+  const auto steps = std::count_if(v.taps.begin(), v.taps.end(), [](const auto& t) {
+    return (t[kLeft] == t[kCenter] || t[kRight] == t[kCenter]) && (t[kAbove] == t[kCenter] || t[kBelow] == t[kCenter]);
+  });
+  constexpr double kSome = 0.02;  // of the surfaces
+  const bool few = v.distinct <= kFewLevels && v.surfaces > kEnough &&
+                   (v.max_integer > 0.0 || double(steps) > kSome * double(v.surfaces));
   constexpr int kMinLevels = 3;  // fewer are no steps of a slope
   if ((!is_byte && !few) || v.distinct < kMinLevels || !(v.max > v.min)) return;
   d.out.step_warning = fmt::format("the depth {} has only {} different values, steps of {} ({:.2g} % of its range)",
@@ -77,10 +83,10 @@ void report_depth(Deciding& d) {
   d.fact(line);
   if (d.guess.is_relative && d.values.surfaces > 0) {
     const double a = view_depth(model, d.values.min, 1.0), b = view_depth(model, d.values.max, 1.0);
-    d.warn(
-        fmt::format("the depth {} has no scale: far is taken to be about {:.2g} times as far as near; `depth_range` "
-                    "NEAR,FAR, `depth_kind` and `depth_invert` say otherwise",
-                    d.roles[Role::kDepth].name, std::max(a, b) / std::min(a, b)));
+    d.warn(fmt::format(
+        "the depth {} has no scale: it is read as {}, far about {:.2g} times as far as near; `depth_range` NEAR,FAR, "
+        "`depth_kind` and `depth_invert` say otherwise",
+        d.roles[Role::kDepth].name, d.guess.meaning, std::max(a, b) / std::min(a, b)));
   }
   const std::string& name = d.roles[Role::kDepth].name;
   if (d.guess.assumes_planes)
@@ -88,6 +94,10 @@ void report_depth(Deciding& d) {
         fmt::format("the depth {} is a depth buffer of unknown planes: near {} and far at infinity are assumed; "
                     "`near_plane` and `far_plane` set them",
                     name, number_text(model.near_plane)));
+  if (d.guess.may_be_length)
+    d.warn(
+        fmt::format("the depth {} is read as {}, since planes are given, and may be a length: `depth_kind` says which",
+                    name, d.guess.meaning));
   if (d.guess.may_be_buffer)
     d.warn(fmt::format("the depth {} has values from 0 to 1, as a depth buffer: `depth_kind` {} if it is one", name,
                        d.values.has_low_end ? "reversed" : "window"));

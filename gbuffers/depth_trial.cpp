@@ -2,11 +2,13 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/mat2x3.hpp>
 #include <glm/matrix.hpp>
 #include <map>
 #include <numbers>
 #include <set>
 
+#include "core/eigen.h"
 #include "core/lists.h"
 
 namespace umbrage {
@@ -108,17 +110,25 @@ int Cells::directions() const {
 
 Cells Cells::balanced(std::size_t count) const {
   if (!have_normals) return some(count);
-  constexpr std::size_t kMinBins = 8;  // a direction has at most this part of the cells
   std::map<long, std::vector<const Cell*>> bins;
   for (const Cell& cell : cells) bins[bin_of(cell.normal)].push_back(&cell);
+  // Of one direction not more than these are different, and they are at most a part of all if that leaves enough:
+  // directions of few cells may be errors at edges.
+  constexpr std::size_t kMost = 125, kEnough = 40, kPart = 4;
+  std::size_t most = kMost;
+  const auto shares = [&] {
+    std::size_t sum = 0;
+    for (const auto& [bin, members] : bins) sum += std::min(members.size(), most);
+    return sum;
+  };
+  while (most > kEnough && kPart * most > shares()) most -= most / 8;
   Cells out = *this;
   out.cells.clear();
-  const std::size_t per_bin = std::max<std::size_t>(1, count / kMinBins);
   for (const auto& [bin, members] : bins) {
-    const std::size_t taken = std::min(per_bin, members.size());
+    const std::size_t taken = count * std::min(members.size(), most) / shares() + 1;
     for (std::size_t k = 0; k < taken; ++k) out.cells.push_back(*members[k * members.size() / taken]);
   }
-  return out.some(2 * count);
+  return out;
 }
 
 RebuiltNormals rebuild_normals(const Cells& cells, const DepthModel& model, const Camera& camera) {
@@ -145,12 +155,39 @@ RebuiltNormals rebuild_normals(const Cells& cells, const DepthModel& model, cons
   return out;
 }
 
+bool RebuiltNormals::have_one_direction() const {
+  constexpr double kSpread = 0.01;  // mean square of the components across the main direction
+  SymmetricMatrix<3> sums{};
+  for (const glm::dvec3& n : pairs.from)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) sums[std::size_t(i)][std::size_t(j)] += n[i] * n[j];
+  return pairs.size() > 0 && eigen_of(sums).values[1] < kSpread * double(pairs.size());
+}
+
+double RebuiltNormals::bias_deg(const glm::dmat3& matrix) const {
+  constexpr double kBeside = 0.85;  // cosine of the angle within which directions are averaged: that of coarse facets
+  std::map<long, std::pair<glm::dmat2x3, std::size_t>> bins;  // sums of mapped and of rebuilt normals, and their number
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    auto& [sums, count] = bins.try_emplace(bin_of(pairs.from[k]), glm::dmat2x3(0.0), 0).first->second;
+    sums += glm::dmat2x3(matrix * pairs.from[k], pairs.to[k]);
+    ++count;
+  }
+  std::vector<double> angles;
+  for (const auto& [key, bin] : bins) {
+    glm::dmat2x3 sums(0.0);
+    for (const auto& [other_key, other] : bins)
+      if (glm::dot(glm::normalize(bin.first[0]), glm::normalize(other.first[0])) > kBeside) sums += other.first;
+    const double angle = std::atan2(glm::length(glm::cross(sums[0], sums[1])), glm::dot(sums[0], sums[1]));
+    angles.insert(angles.end(), bin.second, angle * 180.0 / std::numbers::pi);
+  }
+  return quantile(std::move(angles), 0.5);
+}
+
 Trial try_depth(const Cells& cells, const DepthModel& model, const Camera& camera) {
-  Trial trial{model, camera, {}, 1e9, 0};
+  Trial trial{model, camera, {}, 1e9};
   trial.model.orthographic = camera.projection == Projection::kOrthographic;
   const RebuiltNormals rebuilt = rebuild_normals(cells, trial.model, camera);
   trial.flatness = rebuilt.flatness;
-  trial.used = rebuilt.pairs.size();
   if (cells.have_normals) trial.normals = fit_directions(rebuilt.pairs, true);
   return trial;
 }

@@ -37,13 +37,18 @@ struct Trial {
   Camera camera;
   DirectionFit normals;   ///< from stored normals to view space
   double flatness = 1e9;  ///< median of the second differences of depth over its first ones; the lower, the flatter
-  std::size_t used = 0;   ///< cells on smooth surfaces
 };
 
 /// Normals rebuilt from depth on smooth surfaces, in view space and facing the camera, with the stored ones.
 struct RebuiltNormals {
   DirectionPairs pairs;  ///< from stored to rebuilt ones; flat surfaces, where differences are exact, count more
   double flatness = 1e9;
+
+  /// Returns whether nearly all stored normals are parallel, which leaves a rotation about them open.
+  bool have_one_direction() const;
+  /// Returns the angle between mapped stored normals and rebuilt ones, both averaged over surfaces of about the same
+  /// direction, degrees; the median of all. Normals that are smooth over flat facets deviate, but not in their average.
+  double bias_deg(const glm::dmat3& matrix) const;
 };
 RebuiltNormals rebuild_normals(const Cells& cells, const DepthModel& model, const Camera& camera);
 

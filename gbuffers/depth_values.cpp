@@ -54,7 +54,7 @@ void remove(std::vector<std::array<double, kTaps>>& taps, double value) {
 }
 
 /// Recognises the background of a depth buffer. `sorted`: all stored depths.
-void find_ends(const std::vector<double>& sorted, const std::vector<char>& faces, DepthValues& out,
+void find_ends(const std::vector<double>& sorted, const std::vector<char>& faces, bool may_be_bytes, DepthValues& out,
                DepthConvention& depth) {
   if (sorted.empty() || sorted.front() < 0.0) return;
   const auto is_frequent = [&](double value) {
@@ -64,8 +64,9 @@ void find_ends(const std::vector<double>& sorted, const std::vector<char>& faces
   };
   constexpr double kMaxByte = 255.0, kMinNear = 0.05;  // integers from nearly 0 on are brightnesses
   const bool is_real = out.max_integer == 0.0 && sorted.back() == 1.0;
-  const bool is_integer = out.max_integer > kMaxByte && sorted.back() == out.max_integer &&
-                          *std::upper_bound(sorted.begin(), sorted.end() - 1, 0.0) > kMinNear * out.max_integer;
+  const bool is_far_from_0 = *std::upper_bound(sorted.begin(), sorted.end() - 1, 0.0) > kMinNear * out.max_integer;
+  const bool is_integer = out.max_integer > 0.0 && sorted.back() == out.max_integer &&
+                          (may_be_bytes || (out.max_integer > kMaxByte && is_far_from_0));
   out.has_low_end = is_frequent(0.0);
   out.has_high_end = (is_real || is_integer) && is_frequent(sorted.back());
   if (!out.has_high_end) return;
@@ -102,7 +103,7 @@ DepthValues depth_values(const Samples& samples, double max_integer, MayBe may, 
   const auto below_zero = std::size_t(std::lower_bound(sorted.begin(), sorted.end(), 0.0) - sorted.begin());
   constexpr double kNearlyAll = 0.95;
   out.is_negative = !sorted.empty() && double(below_zero) > kNearlyAll * double(sorted.size());
-  if (may.be_buffer) find_ends(sorted, faces, out, depth);
+  if (may.be_buffer) find_ends(sorted, faces, may.be_bytes, out, depth);
   // A value of 0 is no surface in any kind of length, and lengths have one sign.
   if (!may.be_low)
     for (auto& tap : out.taps)

@@ -42,6 +42,7 @@ bool is_never_depth(double stored);
 struct MayBe {
   bool be_low = false;     ///< values of 0 and below are surfaces, and the min may be the background
   bool be_buffer = false;  ///< a depth buffer, whose background is at the end of its range
+  bool be_bytes = false;   ///< a depth buffer of 8 bits, or one that begins near 0, too
 };
 
 /// Collects the stored depths of the samples and recognises their background, which is added to `depth.background`.

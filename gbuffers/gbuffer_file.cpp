@@ -35,7 +35,8 @@ std::vector<std::string> unused_settings(const GBufferSettings& settings, const 
     bool is_set, is_used;
     const char* why;
   };
-  const char* no_buffer = "the depth is not that of a depth buffer; try `depth_kind` window";
+  const char* no_buffer =
+      "the depth is not that of a depth buffer; try `depth_kind` window, or `depth_range` NEAR,FAR if it is linear";
   const Setting all[] = {
       {"near_plane", settings.near_plane != initial.near_plane, is_buffer, no_buffer},
       {"far_plane", settings.far_plane != initial.far_plane, is_buffer, no_buffer},

@@ -24,7 +24,8 @@ std::string axes_text(const glm::dmat3& view_from_stored) {
   return text;
 }
 
-/// Returns the 48 matrices that exchange and mirror axes; the identity is the first.
+/// Returns the 48 matrices that exchange and mirror axes, the usual ones first: x is right, and y up or down, and z to
+/// the camera (OpenGL) or away (OpenCV, Direct3D).
 std::vector<glm::dmat3> axis_matrices() {
   std::vector<glm::dmat3> all;
   std::array<int, 3> order = {0, 1, 2};
@@ -35,6 +36,7 @@ std::vector<glm::dmat3> axis_matrices() {
       all.push_back(m);
     }
   } while (std::next_permutation(order.begin(), order.end()));
+  std::stable_partition(all.begin(), all.end(), [](const glm::dmat3& m) { return m[0][0] == 1.0; });
   return all;
 }
 
@@ -122,7 +124,7 @@ std::vector<glm::dvec3> decode_normals(const Samples& samples, const std::vector
 }
 
 NormalChoice choose_rotation(const GBufferSettings& settings, const RebuiltNormals& rebuilt,
-                             const std::vector<KnownRotation>& known) {
+                             const std::vector<KnownRotation>& known, double slack_deg) {
   if (const auto& given = settings.view_from_normal; !given.empty()) {
     glm::dmat3 matrix;
     for (int row = 0; row < 3; ++row)
@@ -130,33 +132,35 @@ NormalChoice choose_rotation(const GBufferSettings& settings, const RebuiltNorma
     return rated(rebuilt, matrix, false, "rotated by option");
   }
   const bool may_camera = settings.normal_space != "world", may_world = settings.normal_space != "camera";
-  std::vector<NormalChoice> axes, choices;
+  std::vector<NormalChoice> choices;
   for (const KnownRotation& rotation : known)
     if (may_world && !rotation.is_camera_space && (!may_camera || !rebuilt.pairs.from.empty()))
       choices.push_back(rated(rebuilt, rotation.view_from_stored, true, "world space, " + rotation.source));
+  const auto known_count = std::ptrdiff_t(choices.size());
   if (may_camera)
-    for (const glm::dmat3& matrix : axis_matrices()) axes.push_back(axis_choice(rebuilt, matrix));
-  // Without depth to compare with, all are equal, and the first axis directions are meant.
-  std::stable_sort(axes.begin(), axes.end(),
-                   [](const NormalChoice& a, const NormalChoice& b) { return a.score_deg < b.score_deg; });
-  if (!axes.empty()) choices.push_back(axes.front());
+    for (const glm::dmat3& matrix : axis_matrices()) choices.push_back(axis_choice(rebuilt, matrix));
   if (may_world)
     choices.push_back(
         choice_of(rebuilt, fit_directions(rebuilt.pairs, true), true, "world space, rotation fitted to depth"));
   double best = 180.0;
   for (const NormalChoice& choice : choices) best = std::min(best, choice.score_deg);
-  // Fitted rotations have more freedom than others, so that they must be better.
-  constexpr double kSlack_deg = 0.02, kSlack = 0.15;
-  for (const NormalChoice& choice : choices)
-    if (choice.score_deg <= best * (1.0 + kSlack) + kSlack_deg) return choice;
-  return choices.front();
+  // Fitted rotations have more freedom than others, so that they must be better. One direction they always fit.
+  constexpr double kSlack = 0.15, kOneDirection_deg = 10.0;
+  const bool is_open = rebuilt.have_one_direction();
+  if (is_open) slack_deg = std::max(slack_deg, kOneDirection_deg);
+  const auto found = std::find_if(choices.begin(), choices.end(), [&](const NormalChoice& choice) {
+    return choice.score_deg <= best * (1.0 + kSlack) + slack_deg;
+  });
+  NormalChoice chosen = found == choices.end() ? choices.front() : *found;
+  chosen.is_open = is_open && settings.normal_space == "auto" && found >= choices.begin() + known_count;
+  return chosen;
 }
 
 NormalCheck check_normals(const Samples& samples, const Camera& camera, const GBufferSettings& settings) {
   constexpr double kMaxSigned = 2.0, kMaxByte = 255.0, kMaxShort = 65535.0;
   constexpr std::size_t kCells = 2000, kTooFew = 20;
   constexpr int kMinDirections = 3, kMinSide = 100;  // fewer fit several rotations; fewer pixels show no normals
-  constexpr double kBetter = 0.5, kClearMismatch_deg = 30.0;
+  constexpr double kBetter = 0.5, kClearMismatch_deg = 30.0, kRounding_deg = 0.02;
   const TapValues& depth = *samples.find(Role::kDepth, 0);
   std::vector<char> surfaces;
   for (const float v : depth[kCenter]) surfaces.push_back(std::isfinite(v));
@@ -185,10 +189,10 @@ NormalCheck check_normals(const Samples& samples, const Camera& camera, const GB
   if (rebuilt.pairs.size() < kTooFew) return check;
   GBufferSettings trial = settings;
   if (trial.view_from_normal.empty()) trial.view_from_normal = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  const double median_deg = *choose_rotation(trial, rebuilt, {}).median_deg;
+  const double median_deg = *choose_rotation(trial, rebuilt, {}, kRounding_deg).median_deg;
   if (median_deg <= kNormalMismatch_deg) return check;
   trial.view_from_normal.clear();
-  const NormalChoice found = choose_rotation(trial, rebuilt, {});
+  const NormalChoice found = choose_rotation(trial, rebuilt, {}, kRounding_deg);
   // Coarse depth, too, is far from normals, but no rotation fits it.
   const bool fits = *found.median_deg < std::min(kNormalMismatch_deg, kBetter * median_deg);
   if (!fits && (median_deg < kClearMismatch_deg || std::min(samples.width, samples.height) < kMinSide)) return check;

@@ -36,13 +36,14 @@ struct NormalChoice {
   std::string meaning;               ///< for the facts: "camera space"
   double score_deg = 180.0;          ///< see DirectionFit
   std::optional<double> median_deg;  ///< angle to normals rebuilt from depth; none if these are missing
+  bool is_open = false;              ///< surfaces of one direction fit other axes as well
 };
 
 /// Chooses the rotation of normals to view space: an option, a known one, one of the axis directions of camera space
-/// (all rotations and mirrorings by right angles), or one that is fitted; the first in this order that is about as good
-/// as the best.
+/// (all rotations and mirrorings by right angles, the usual ones first), or one that is fitted; the first in this order
+/// that is about as good as the best, or worse by `slack_deg` at most.
 NormalChoice choose_rotation(const GBufferSettings& settings, const RebuiltNormals& rebuilt,
-                             const std::vector<KnownRotation>& known);
+                             const std::vector<KnownRotation>& known, double slack_deg);
 
 /// Angle in the median above which normals do not fit those rebuilt from depth.
 inline constexpr double kNormalMismatch_deg = 10.0;

@@ -134,17 +134,6 @@ Result<RawPlanes> RawPlanes::read(std::span<const LayeredFile> headers, const Ro
   return raw;
 }
 
-Result<RawPlanes> RawPlanes::of(const Image& planes) {
-  RawPlanes raw;
-  auto store = RowStore::create(planes.width, planes.height, planes.names, 1e18, ".");
-  if (!store) return store.error();
-  if (auto written = store->write(planes, 0); !written) return written.error();
-  raw.width_ = planes.width;
-  raw.height_ = planes.height;
-  raw.stores_.push_back(std::move(*store));
-  return raw;
-}
-
 bool RawPlanes::is_in_memory() const {
   return std::all_of(stores_.begin(), stores_.end(), [](const RowStore& store) { return store.is_in_memory(); });
 }

@@ -47,8 +47,6 @@ class RawPlanes {
   /// Reads all channels that have roles. Where Role::kMask is 0, depth and positions become NaN. Errors: kFile; kUsage
   /// if the files differ in size.
   static Result<RawPlanes> read(std::span<const LayeredFile> headers, const Roles& roles, const RawReading& reading);
-  /// Returns the planes of an image, named by raw_plane.
-  static Result<RawPlanes> of(const Image& planes);
 
   int width() const { return width_; }
   int height() const { return height_; }

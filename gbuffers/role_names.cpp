@@ -57,8 +57,9 @@ constexpr std::string_view kNormalNames[] = {"normal",         "n",
                                              "denoisenormal",  "vraybumpnormals",
                                              "bumpnormals"};
 constexpr std::string_view kPositionNames[] = {
-    "position",      "p",  "positions",     "pworld",   "p.world",       "pcamera",   "p.camera",
-    "worldposition", "wp", "positionworld", "worldpos", "pointposition", "pointworld"};
+    "position",      "p",     "positions",     "pworld",   "p.world",       "pcamera",    "p.camera",
+    "worldposition", "wp",    "positionworld", "worldpos", "pointposition", "pointworld", "points",
+    "pointmap",      "pts3d", "worldpoints",   "xyz"};
 constexpr std::string_view kAlbedoNames[] = {"albedo",        "diffusealbedo",     "diffcol",       "diffusecolor",
                                              "basecolor",     "vraydiffusefilter", "diffusefilter", "visiblealbedo",
                                              "denoisealbedo", "denoisingalbedo",   "diffusesd",     "visiblediffuse",

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/lists.h"
 #include "gbuffers/camera_guess.h"
 #include "gbuffers/packing.h"
 
@@ -29,6 +30,7 @@ struct Finding {
   Result<Samples> samples_of(Role role, const RoleChannels& channels) const {
     Roles trial;
     trial[role] = channels;
+    trial[Role::kMask] = roles[Role::kMask];
     return sample_roles(trial);
   }
 };
@@ -75,7 +77,8 @@ Result<bool> are_positions(const Finding& f, const RoleChannels& channels) {
   if (f.is_integer(channels)) return false;
   const auto samples = f.samples_of(Role::kPosition, channels);
   if (!samples) return samples.error();
-  return position_camera(*samples).has_value();
+  constexpr double kExact_px = 0.5;
+  return position_camera(*samples, kExact_px).has_value();
 }
 
 void take_positions(Finding& f, const RoleChannels& channels) {
@@ -191,6 +194,20 @@ Result<void> find_depth_in_beauty(Finding& f) {
   return {};
 }
 
+/// Tells which arrays of an NPZ are not used, such as confidences.
+void tell_unused(Finding& f) {
+  std::vector<std::string> names;
+  for (std::size_t file = 0; file < f.headers.size(); ++file) {
+    if (f.headers[file].format != "NPZ") continue;
+    for (const ChannelGroup& group : groups_of(f.headers[file], int(file)))
+      if (std::none_of(f.roles.of.begin(), f.roles.of.end(), [&](const RoleChannels& role) {
+            return !role.empty() && role.file_of(0) == int(file) && contains(role.channels, group.channels.front());
+          }))
+        names.push_back(group.name);
+  }
+  if (!names.empty()) f.facts.lines.push_back(fmt::format("not used: {}", fmt::join(names, ", ")));
+}
+
 }  // namespace
 
 Result<void> find_roles_by_values(const GBufferSettings& settings, std::span<const LayeredFile> headers,
@@ -198,8 +215,10 @@ Result<void> find_roles_by_values(const GBufferSettings& settings, std::span<con
   Finding f{settings, headers, sample_roles, roles, facts};
   if (auto found = find_vectors(f); !found) return found;
   if (auto found = find_depth_in_beauty(f); !found) return found;
-  if (roles[Role::kDepth].empty()) return {};
-  return find_depth_channel(f);
+  if (!roles[Role::kDepth].empty())
+    if (auto found = find_depth_channel(f); !found) return found;
+  tell_unused(f);
+  return {};
 }
 
 }  // namespace umbrage

@@ -210,5 +210,27 @@ TEST(RoleValues, UnrealNamesAndAngle) {
   EXPECT_TRUE(says(got, "albedo: FinalImage_BaseColor (RGB)")) << got.text();
 }
 
+TEST(RoleValues, PointMapsBesideMaskAndConfidence) {
+  // OpenCV axes; points of the background are as wrong as networks make them.
+  for (const char* name : {"points", "pts3d", "world_points", "anything"}) {
+    TestFile file(scene(), "NPZ");
+    int axis = 0;
+    for (const char* letter : {"R", "G", "B"}) {
+      file.add(
+          letter, 7.0f, [&](const Hit& hit) { return (axis == 0 ? 1.0 : -1.0) * hit.view[axis]; }, ChannelType::kFloat,
+          name);
+      ++axis;
+    }
+    file.add(
+        "Y", 0.0f, [](const Hit&) { return 1.0; }, ChannelType::kFloat, "mask");
+    file.add(
+        "Y", 0.5f, [](const Hit& hit) { return 2.0 + hit.view.x; }, ChannelType::kFloat, "conf");
+    const Understood got = understand(file);
+    expect_depth(got, 1e-5);
+    EXPECT_NEAR(got.conventions.camera.top, scene().top(), 1e-4) << got.text();
+    EXPECT_TRUE(says(got, "not used: conf (Y)")) << got.text();
+  }
+}
+
 }  // namespace
 }  // namespace umbrage

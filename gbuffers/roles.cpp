@@ -302,7 +302,7 @@ void find_all(const LayeredFile& header, int file, const std::vector<ChannelGrou
     roles[Role::kIndirectColor] = taken(*group, Role::kIndirectColor);
   find_own(header, file, roles);
   for (const ChannelGroup& group : groups)
-    if (group.channels.size() >= 3 && !group.is_color &&
+    if (group.channels.size() >= 3 && (!group.is_color || header.format == "NPZ") &&
         std::none_of(roles.of.begin(), roles.of.end(),
                      [&](const RoleChannels& role) { return contains(role.channels, group.channels.front()); }))
       roles.unknown.push_back(group);
@@ -454,6 +454,9 @@ Result<Roles> find_roles(std::span<const RoleFile> files, std::span<const Layere
     }
     const auto group = group_for(file, headers, groups);
     if (!group) return group.error();
+    if (file.role == Role::kDepth || file.role == Role::kPosition)
+      if (const ChannelGroup* mask = best_group({headers, groups, ""}, Role::kMask, names_of(Role::kMask)))
+        roles[Role::kMask] = taken(*mask, Role::kMask);
     if (file.role == Role::kDepth) {
       // A picture whose only layer was taken for depth is the beauty if another file has the depth.
       if (roles.depth_is_guess && roles[Role::kDepth].channels.size() >= 3) roles[Role::kBeauty] = roles[Role::kDepth];

@@ -227,12 +227,24 @@ TEST(Roles, CryptomatteIsNoDepthAndGivesIds) {
   EXPECT_TRUE(find_cryptomatte(own, 0, false));
 }
 
+/// Returns the planes of stored ids.
+Result<RawPlanes> raw_ids(const Image& stored) {
+  LayeredFile header;
+  header.width = stored.width;
+  header.height = stored.height;
+  Roles roles;
+  for (std::size_t c = 0; c < stored.planes.size(); ++c) roles[Role::kObjectId].channels.push_back(int(c));
+  RawReading reading;
+  reading.read_rows = [&](const auto&, auto, const TakeLayerRows& take) { return take(stored, 0); };
+  return RawPlanes::read(std::array{header}, roles, reading);
+}
+
 TEST(Ids, FloatsWithAnyBitsAndColoursBecomeSmallIntegers) {
   Image stored(4, 1);
   const std::uint32_t bits[4] = {0x7fc00001u, 0u, 0x7fc00002u, 0x3f800000u};  // two are NaN as floats
   Plane& plane = stored.add(raw_plane(Role::kObjectId, 0)) = Plane(4, 1);
   for (int x = 0; x < 4; ++x) plane.at(x, 0) = std::bit_cast<float>(bits[x]);
-  const auto raw = RawPlanes::of(stored);
+  const auto raw = raw_ids(stored);
   ASSERT_TRUE(raw);
   const auto table = collect_ids(*raw, Role::kObjectId, true);
   ASSERT_TRUE(table);
@@ -246,7 +258,7 @@ TEST(Ids, FloatsWithAnyBitsAndColoursBecomeSmallIntegers) {
     channel.at(0, 0) = float(10 + c);
     channel.at(1, 0) = float(12 - c);
   }
-  const auto colored = RawPlanes::of(colors);
+  const auto colored = raw_ids(colors);
   EXPECT_EQ(collect_ids(*colored, Role::kObjectId, false)->ids, (std::vector<std::uint32_t>{0x0a0b0cu, 0x0c0b0au}));
 }
 

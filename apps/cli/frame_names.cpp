@@ -50,9 +50,12 @@ std::optional<NumberPlace> number_at(const std::string& name, std::size_t at) {
 
 std::string FrameNames::of(int frame) const { return fmt::format("{}{:0{}}{}", before, frame, digits, after); }
 
-std::vector<int> FrameNames::existing() const {
+std::string FrameNames::pattern() const { return before + std::string(std::size_t(digits), '#') + after; }
+
+std::vector<int> FrameNames::existing(FrameNames* others) const {
   namespace fs = std::filesystem;
   std::vector<int> frames;
+  if (others) *others = {before, after, 0};
   if (after.find('/') != std::string::npos) return frames;
   const fs::path start(before);
   const std::string stem = start.filename().string();
@@ -64,9 +67,12 @@ std::vector<int> FrameNames::existing() const {
     const std::string_view number(name.data() + stem.size(), name.size() - stem.size() - after.size());
     int frame = 0;
     const auto [stop, failed] = std::from_chars(number.begin(), number.end(), frame);
+    if (failed != std::errc() || stop != number.end()) continue;
     // The same number may be written with other digits, which is another name.
-    if (failed == std::errc() && stop == number.end() && fs::path(of(frame)).filename().string() == name)
+    if (fs::path(of(frame)).filename().string() == name)
       frames.push_back(frame);
+    else if (const int count = int(number.size()); others && frame >= 0)
+      others->digits = others->digits == 0 ? count : std::min(others->digits, count);
   }
   std::sort(frames.begin(), frames.end());
   return frames;

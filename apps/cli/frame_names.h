@@ -12,8 +12,10 @@ struct FrameNames {
   std::string before, after;        ///< text before and after the number
   int digits = 1;                   ///< min number of digits, padded with zeros
   std::string of(int frame) const;  ///< returns the name of a frame's file
-  /// Returns the frames of which a file exists, ascending; none if the number is in the name of a folder.
-  std::vector<int> existing() const;
+  std::string pattern() const;      ///< returns the name with the number as ####
+  /// Returns the frames of which a file exists, ascending; none if the number is in the name of a folder. `others`
+  /// becomes the names of the files that differ in the number of digits alone; its `digits` are 0 if there are none.
+  std::vector<int> existing(FrameNames* others = nullptr) const;
 };
 
 /// Returns whether a name has a frame number: ####, %d, %04d, $F or $F4.

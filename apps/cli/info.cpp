@@ -288,18 +288,20 @@ bool has_image(const CommonOptions& options) {
 Result<void> print_image_info(const CommonOptions& options, bool json, const std::string& contact_sheet) {
   auto settings = settings_of(options);
   if (!settings) return settings.error();
-  std::string frame_line;
+  std::string frame_line, doubt;
   if (is_sequence(*settings)) {
     const auto files = input_files(*settings);
     if (!files) return files.error();
     const auto sequence = plan_sequence({.frames = "", .shard = "", .overwrite = true}, *files, {});
     if (!sequence) return sequence.error();
     frame_line = fmt::format("frame: {} of {}", sequence->all.front(), frames_text(sequence->all));
+    doubt = sequence->doubt;
     *settings = settings_of_frame(*settings, sequence->all.front());
   }
   auto facts = describe_gbuffer(*settings);
   if (!facts) return facts.error();
   if (!frame_line.empty()) facts->lines.insert(facts->lines.begin(), frame_line);
+  if (!doubt.empty()) facts->warnings.push_back(doubt);
   ContactSheet sheet;
   if (!contact_sheet.empty()) {
     auto drawn_sheet = draw_contact_sheet(*settings);

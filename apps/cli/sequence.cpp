@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <cstdint>
 #include <fstream>
@@ -20,6 +21,7 @@
 #include "apps/cli/progress.h"
 #include "core/guarded.h"
 #include "core/lists.h"
+#include "core/suggest.h"
 #include "core/version.h"
 
 namespace umbrage::cli {
@@ -137,17 +139,16 @@ Result<void> check_inputs_remain(const SequenceFiles& files, int frame) {
   return {};
 }
 
-/// Returns a name with its number as ####.
-std::string pattern_of(const FrameNames& names) {
-  return names.before + std::string(std::size_t(names.digits), '#') + names.after;
-}
-
 /// Returns the error for frames without a file. Names the frames that exist, or else files of similar names.
 Error no_file_error(const FrameNames& names, const std::vector<int>& frames) {
-  const std::string pattern = pattern_of(names);
-  if (const auto existing = names.existing(); !existing.empty())
+  const std::string pattern = names.pattern();
+  FrameNames others;
+  if (const auto existing = names.existing(&others); !existing.empty())
     return file_error("there is no file '{}' for a frame of {}: there are frames {}", pattern, frames_text(frames),
                       frames_text(existing));
+  if (others.digits > 0)
+    return file_error("there is no file '{}': the files there are '{}', frames {}", pattern, others.pattern(),
+                      frames_text(others.existing()));
   const fs::path start(pattern);
   const fs::path folder = start.has_parent_path() ? start.parent_path() : fs::path(".");
   std::error_code error;
@@ -160,8 +161,29 @@ Error no_file_error(const FrameNames& names, const std::vector<int>& frames) {
     return file_error("there is no file '{}': the folder '{}' has no {} file", pattern, folder.string(),
                       start.extension().string());
   std::sort(near.begin(), near.end());
-  return file_error("there is no file '{}': the folder has {}{}", pattern, near.front(),
+  std::vector<std::string> patterns = near;
+  for (std::string& name : patterns)
+    for (std::size_t at = name.find_last_of("0123456789"); at < name.size() && std::isdigit((unsigned char)(name[at]));
+         --at)
+      name[at] = '#';
+  return file_error("there is no file '{}'{}: the folder has {}{}", pattern,
+                    did_you_mean(nearest_name(start.filename().string(), patterns)), near.front(),
                     near.size() > 1 ? fmt::format(" to {}", near.back()) : "");
+}
+
+/// Returns a warning if there are files of the name beside these frames, by other digits, or if frames between them
+/// have no file; empty if not. Every second frame, as an example, is whole.
+std::string doubt_of(const FrameNames& names, const std::vector<int>& frames, const FrameNames& others) {
+  if (frames.empty()) return "";
+  if (others.digits > 0)
+    return fmt::format("'{}' has the frames {}: files with other digits, '{}', are left out", names.pattern(),
+                       frames_text(frames), others.pattern());
+  int step = kMaxFrames;
+  for (std::size_t k = 1; k < frames.size(); ++k) step = std::min(step, frames[k] - frames[k - 1]);
+  std::vector<int> missing;
+  for (long at = frames.front(); at < frames.back() && missing.size() < kMaxFrames; at += step)
+    if (!std::binary_search(frames.begin(), frames.end(), int(at))) missing.push_back(int(at));
+  return missing.empty() ? "" : fmt::format("'{}' has no file of the frames {}", names.pattern(), frames_text(missing));
 }
 
 /// State of the threads that make frames.
@@ -261,6 +283,7 @@ void add_sequence_options(CLI::App& command, SequenceOptions& options, bool has_
 }
 
 Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFiles& files, std::vector<int> range) {
+  Sequence sequence;
   Shard shard;
   if (!options.shard.empty()) {
     const auto parsed = parse_shard(options.shard);
@@ -280,7 +303,9 @@ Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFil
     if (!parsed) return parsed.error();
     range = std::move(*parsed);
   } else if (range.empty()) {
-    range = files.inputs.front().existing();
+    FrameNames others;
+    range = files.inputs.front().existing(&others);
+    sequence.doubt = doubt_of(files.inputs.front(), range, others);
   }
   for (const int frame : range)
     if (has_inputs(files, frame)) sequence.all.push_back(frame);
@@ -291,7 +316,7 @@ Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFil
     });
     if (lacking != files.inputs.end()) return no_file_error(*lacking, range);
     return file_error("no frame of {} has all its files: '{}' and the others have different frames", frames_text(range),
-                      pattern_of(files.inputs.front()));
+                      files.inputs.front().pattern());
   }
   if (options.command && !files.outputs.empty()) {
     sequence.outputs = files.outputs;
@@ -315,6 +340,7 @@ Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFil
 
 void print_kept(const Sequence& sequence) {
   std::fputs(sequence.left_over.c_str(), stderr);
+  if (!sequence.doubt.empty()) print_warning(sequence.doubt);
   if (sequence.finished > 0)
     fmt::print(stderr, "umbrage: {} of {} frames are there already; --overwrite makes them again\n", sequence.finished,
                sequence.finished + sequence.own.size() + sequence.missing.size());

@@ -43,6 +43,7 @@ struct Sequence {
   std::vector<int> all;      ///< frames of the whole range whose inputs are there, of all shards
   std::vector<int> own;      ///< those of this process that are not finished
   std::vector<int> missing;  ///< frames of this process that have no input
+  std::string doubt = {};    ///< warning of frames that `all` may lack; empty if there are none
   std::size_t finished = 0;  ///< number of frames of this process that were finished before
   std::size_t replaced = 0;  ///< of `own`, those whose files are there but cut off, or drawn by other options
   std::string left_over;     ///< sentence about files of frames after the last of a whole range; may be empty
@@ -72,7 +73,7 @@ struct SequenceWork {
   std::function<Result<int>()> start_workers = [] { return Result<int>(1); };
 };
 
-/// Prints one line if frames were finished before, one if frames that are there are made again, and left_over.
+/// Prints a line each: if frames may be lacking, if some were finished before, if some are made again, and left_over.
 void print_kept(const Sequence& sequence);
 
 /// Makes the frames, after print_kept. The first frame of all shards

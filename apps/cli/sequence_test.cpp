@@ -194,7 +194,8 @@ TEST_F(SequenceTest, AnInterruptedRunLeavesWholeFrames) {
 TEST_F(SequenceTest, RefusesRangesWithoutFiles) {
   make_inputs(3);
   bad("shade shot.####.exr -o out.####.png --frames 100-120", 3, {"'shot.####.exr'", "100-120", "frames 0-2"});
-  bad("shade sho.####.exr -o out.####.png --frames 0-2", 3, {"'sho.####.exr'", "shot.0000.exr to shot.0002.exr"});
+  bad("shade sho.####.exr -o out.####.png --frames 0-2", 3,
+      {"'sho.####.exr'", "did you mean 'shot.####.exr'", "shot.0000.exr to shot.0002.exr"});
   const std::string two = "shade shot.####.exr --normal other.####.exr -o out.####.png ";
   fs::copy_file(input(0), folder_ / "other.0007.exr");
   bad(two, 3, {"'other.####.exr'", "a frame of 0-2", "frames 7"});
@@ -214,6 +215,23 @@ TEST_F(SequenceTest, RefusesRangesWithoutFiles) {
   for (const char* more : {"", " --overwrite", " --frames 0-2"})
     bad(fmt::format("shade shot.####.exr -o shot.####.exr{}", more), 2, {"'shot.0000.exr'", "input"});
   bad("shade shot.####.exr -o out.####.png --passes foo", 2, {"'foo'", "depth"});
+}
+
+TEST_F(SequenceTest, NamesFilesOfOtherDigitsAndGaps) {
+  make_inputs(4);
+  for (const char* name : {"shot.##.exr", "shot.%06d.exr", "shot.$F3.exr"})
+    bad(fmt::format("shade {} -o out.####.png", name), 3, {"'shot.####.exr', frames 0-3"});
+  fs::remove(input(2));
+  for (const char* command : {"shade shot.####.exr -o out.####.png --device cpu", "info shot.####.exr"}) {
+    const Outcome gap = run(command);
+    EXPECT_EQ(gap.code, 0);
+    EXPECT_NE((gap.err + gap.out).find("'shot.####.exr' has no file of the frames 2"), std::string::npos) << gap.err;
+  }
+  fs::remove(input(1));
+  fs::remove(input(3));
+  fs::copy_file(input(0), folder_ / "shot.7.exr");
+  const Outcome mixed = run("shade shot.####.exr -o out.####.png --device cpu --overwrite");
+  EXPECT_NE(mixed.err.find("'shot.#.exr', are left out"), std::string::npos) << mixed.err;
 }
 
 TEST_F(SequenceTest, TurntablesAreSequencesToo) {

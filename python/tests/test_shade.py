@@ -230,6 +230,22 @@ class Arguments(unittest.TestCase):
         self.assertEqual(bytes(raw), expected.picture.tobytes())
 
 
+class Positions(unittest.TestCase):
+    def test_a_point_map_gives_depth_and_camera(self) -> None:
+        y, x = np.mgrid[0:32, 0:48]
+        u, v = (x + 0.5 - 24) / 40, (y + 0.5 - 16) / 40  # a focal length of 40 pixels; y is down, z is forward
+        depth = 4 + np.sin(0.3 * x) + 0.5 * np.cos(0.4 * y)
+        points = np.stack([u * depth, v * depth, depth], -1)
+        mask = x > 5
+        points[~mask] = (3, 1, 9)
+        picture = shade(position=points, mask=mask, albedo=(0.5, 0.5, 0.5), passes="depth")
+        np.testing.assert_allclose(picture["depth"][mask], depth[mask], rtol=1e-5)
+        self.assertTrue(np.isinf(picture["depth"][~mask]).all())
+        self.assertTrue(any("fitted to positions" in fact for fact in picture.facts), picture.facts)
+        with self.assertRaisesRegex(umbrage.UsageError, r"`normal` has the shape \(2, 2, 3\): `position` has"):
+            shade(position=points, normal=np.ones((2, 2, 3)))
+
+
 class Mistakes(unittest.TestCase):
     def refused(self, text: str, *arrays: object, **arguments: object) -> None:
         with self.assertRaisesRegex(umbrage.UsageError, text) as caught:

@@ -1,7 +1,10 @@
 """Converts arrays of any library to images and buffers of the C interface, without a copy where possible."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
+import os
+import tempfile
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Dict, Iterator, Mapping, Optional, Tuple
 
 from ._errors import UsageError
 from ._native import Image
@@ -102,6 +105,26 @@ def masked(depth: NDArray[Any], mask: Any) -> NDArray[Any]:
         raise UsageError(f"`mask` has the shape {keep.shape}: the depth has {depth.shape[:2]}")
     one = np.iinfo(depth.dtype).max if depth.dtype.kind == "u" else 1
     return np.where(keep.reshape(depth.shape) != 0, depth.astype(np.float32) / np.float32(one), np.float32(np.inf))
+
+
+@contextmanager
+def array_file(images: Mapping[str, Any], mask: Any) -> Iterator[str]:
+    """Writes the arrays of a G-buffer with positions to a temporary file, whose camera the library recognises. Errors:
+    UsageError."""
+    import numpy as np
+
+    shape = image_array(images["position"], "position").shape
+    arrays = {name: image_array(values, name, shape[:2]) for name, values in images.items()}
+    arrays.update({} if mask is None else {"mask": image_array(mask, "mask")})
+    for name, array in arrays.items():
+        if array.shape[:2] != shape[:2] or (name == "position" and shape[2:] != (3,)):
+            raise UsageError(f"`{name}` has the shape {array.shape}: `position` has {shape}, and takes (height, width, 3)")
+        if array.dtype.kind == "u" and not is_id(name):
+            arrays[name] = array / np.float32(np.iinfo(array.dtype).max)
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "arrays.npz")
+        np.savez(path, **arrays)
+        yield path
 
 
 def texture_array(values: Any, name: str) -> NDArray[Any]:

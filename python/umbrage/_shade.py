@@ -7,7 +7,7 @@ from ctypes import byref
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from . import _native as native
-from ._arrays import as_array, image_array, image_of, masked, share_memory, type_number
+from ._arrays import array_file, as_array, image_array, image_of, masked, share_memory, type_number
 from ._errors import UsageError
 from ._job import Job, checked_dtype, requested_outputs
 from ._lists import check_keywords, keywords_of
@@ -61,8 +61,8 @@ def _inputs(
             f"`{array}` is an array and {f'`{name}`' if name else 'the first argument'} a path: give files for all, or "
             "arrays for all"
         )
-    if not files and "depth" not in arrays:
-        raise UsageError("`depth` takes an array or a path, not None")
+    if not files and "depth" not in arrays and "position" not in arrays:
+        raise UsageError("`depth` takes an array or a path, not None; `position` (height, width, 3) gives a depth, too")
     return files, arrays
 
 
@@ -186,6 +186,9 @@ class Shader(Job):
             progress = self._progress if progress is None else progress
             if files and mask is not None:
                 raise UsageError("`mask` is an array: give arrays for all; a file has its own, as the array 'mask' of an NPZ")
+            if "position" in inputs:
+                with array_file(inputs, mask) as file:
+                    return self._shade_files({"file": file}, out, progress)
             return self._shade_files(files, out, progress) if files else self._shade_arrays(inputs, mask, out, progress)
 
     @property
@@ -320,6 +323,8 @@ def shade(
     recognised by their lengths, and decoded with a warning.
     albedo: (H, W, 3), linear, 0 to 1 (a warning says if it is above), or one colour. Alpha, a fourth channel, is not
     read.
+    position: (H, W, 3), such as a point map, in the space of any camera: gives depth and camera, so that no depth is
+    needed. The arrays are then understood as those of a file.
     object_id: (H, W) of integers. mask: (H, W), 0 where there is no surface. images: other planes by name, such as "emission", "direct" or "layer1.depth".
     Arrays: NumPy, torch (CPU), or any object with the buffer protocol, `__array_interface__` or DLPack; float32,
     float16, uint8 or uint16, whose 255 and 65535 mean 1. Arrays of these types are not copied, whatever their strides
