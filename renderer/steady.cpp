@@ -128,7 +128,7 @@ Result<Drawn> SteadySequence::draw(int frame, StageTimes& times, const ProgressM
   Neighbour& own = drawn_.at(frame);
   auto start = joined(*own.filtered, others, false);
   if (!start) return start.error();
-  times.done("steady");
+  times.done(effect_with<SteadyParams>().name);
   auto drawn = draw_after_technique(device_, scene_, frames_.plan(frame), *start, times, part(0.5), stops, more);
   own.is_finished = true;
   return drawn;

@@ -58,7 +58,7 @@ Result<std::vector<Row>> rows_of_csv(std::istream& in, const std::string& file) 
     Row& row = rows.emplace_back();
     for (std::size_t k = 0; k < cells.size(); ++k) {
       const auto value = parse_number(cells[k]);
-      if (!value) return file_error("'{}', line {}: {} is '{}', which is no number", file, number, names[k], cells[k]);
+      if (!value) return file_error("'{}', line {}: {} must be a number, not '{}'", file, number, names[k], cells[k]);
       row[names[k]] = *value;
     }
   }

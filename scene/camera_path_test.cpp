@@ -67,7 +67,7 @@ TEST_F(CameraPathTest, RefusesBadFilesByName) {
   for (const auto& [text, said] :
        {std::pair<std::string, std::string>(kHeader + "0,0,0,5,0,0,0,30\n", "needs two"),
         {kHeader + "1,0,0,5,0,0,0,30\n1,1,0,5,0,0,0,30\n", "key camera 2: its time, 1, is not after"},
-        {kHeader + "0,0,0,5,0,0,0,30\n1,1,x,5,0,0,0,30\n", "line 3: position_y is 'x'"},
+        {kHeader + "0,0,0,5,0,0,0,30\n1,1,x,5,0,0,0,30\n", "line 3: position_y must be a number, not 'x'"},
         {kHeader + "0,0,0,5,0,0,0\n", "7 values for 8 columns"},
         {kHeader + "0,0,0,5,0,0,5,30\n1,0,0,5,0,0,0,30\n", "position and focal point are equal"},
         {"positionx,a\n1,2\n3,4\n", "no column"},

@@ -283,7 +283,6 @@ void add_sequence_options(CLI::App& command, SequenceOptions& options, bool has_
 }
 
 Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFiles& files, std::vector<int> range) {
-  Sequence sequence;
   Shard shard;
   if (!options.shard.empty()) {
     const auto parsed = parse_shard(options.shard);
@@ -291,12 +290,13 @@ Result<Sequence> plan_sequence(const SequenceOptions& options, const SequenceFil
     shard = *parsed;
   }
   Sequence sequence;
-  for (const FrameNames& names : range.empty() ? std::vector<FrameNames>() : files.outputs) {
+  const bool is_whole = !range.empty() && options.frames.empty();
+  for (const FrameNames& names : is_whole ? files.outputs : std::vector<FrameNames>()) {
     auto others = names.existing();
     others.erase(others.begin(), std::upper_bound(others.begin(), others.end(), range.back()));
     if (!others.empty())
       sequence.left_over += fmt::format("umbrage: '{}' has more frames, which are not of this run and remain: {}\n",
-                                        pattern_of(names), frames_text(others));
+                                        names.pattern(), frames_text(others));
   }
   if (range.empty() && !options.frames.empty()) {
     auto parsed = parse_frames(options.frames);
