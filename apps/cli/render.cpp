@@ -162,6 +162,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
     if (auto status = check_video(o.output, video_settings(o, o.request.width, o.request.height)); !status)
       return status.error();
   job.output = std::move(*output);
+  if (job.output.path) job.output.path->set_camera(0.0, job.recipe.framing);
   if (!job.output.is_sequence()) return job;
   SequenceFiles files;
   files.shared.assign(o.models.begin(), o.models.end());

@@ -156,8 +156,8 @@ TEST_F(SequenceTest, ShardsEqualOneProcess) {
   const std::string task =
       "SLURM_ARRAY_TASK_ID=1 SLURM_ARRAY_TASK_MIN=1 SLURM_ARRAY_TASK_MAX=2 SLURM_ARRAY_TASK_COUNT=2";
   good("shade shot.####.exr -o s.####.png --device cpu --frames 1-4 --shard slurm", task);
-  EXPECT_TRUE(fs::exists(folder_ / "s.0001.png") && fs::exists(folder_ / "s.0003.png"));
-  EXPECT_FALSE(fs::exists(folder_ / "s.0002.png") || fs::exists(folder_ / "s.0004.png"));
+  EXPECT_TRUE(fs::exists(folder_ / "s.0001.png") && fs::exists(folder_ / "s.0002.png"));
+  EXPECT_FALSE(fs::exists(folder_ / "s.0003.png") || fs::exists(folder_ / "s.0004.png"));
 }
 
 TEST_F(SequenceTest, SeparateFilesHaveNumbersToo) {

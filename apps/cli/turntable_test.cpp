@@ -128,7 +128,7 @@ TEST_F(TurntableTest, AllViewsHaveOneExposure) {
 TEST_F(TurntableTest, MakesVideos) {
   const std::string path = recording_ffmpeg();
   good(kSolids + "--look ao -o one.png");
-  good(kSolids + "--look ao -o turn.mp4 --turntable 3 --frame-rate 24", path);
+  good(kSolids + "--look ao -o turn.mp4 --turntable 3 --steady 0 --frame-rate 24", path);
   EXPECT_EQ(names(), (std::set<std::string>{"one.png", "turn.mp4"}));
   const std::string reported = text_of(root_ / "ffmpeg.txt");
   for (const char* part : {"-video_size 64x48", "-framerate 24", "-pixel_format rgb24", "-f mp4"})
@@ -282,7 +282,7 @@ TEST_F(TurntableTest, AnAnimationIsASequence) {
   EXPECT_EQ(text_of(folder_ / "all_0002.png"), text_of(folder_ / "some_0002.png"));
   good("rise.gltf" + small + "--animation-time 2 -o end.png");
   EXPECT_EQ(text_of(folder_ / "all_0003.png"), text_of(folder_ / "end.png"));
-  EXPECT_GT(difference(image("all_0000.png"), image("all_0003.png")), 0.01);
+  EXPECT_GT(difference(image("all_0000.png"), image("all_0003.png")), 0.005);
   bad("still.gltf --animate -o all.png", 2, {"--animate", "'still.gltf' has none"});
   bad("rise.gltf --animate -o all.png --frames 9-120", 2, {"--frames 9-120", "0 to 60"});
   bad("rise.gltf --animate -o -", 2, {"--animate", "-o -"});
@@ -305,7 +305,7 @@ TEST_F(TurntableTest, ACameraPathIsASequence) {
   EXPECT_NE(text_of(folder_ / "whole_0000.png"), text_of(folder_ / "whole_0001.png"));
   good(kSolids + "--camera-path path.csv --steady 0 -o one.png --frames 0 --frame-rate 4");
   good(kSolids + "--camera-position 8,3,8 --camera-focal-point 0,1,0 -o single.png");
-  EXPECT_EQ(text_of(folder_ / "one_0000.png"), text_of(folder_ / "single.png"));
+  EXPECT_EQ(difference(image("one_0000.png"), image("single.png")), 0.0);
   write("back.csv",
         "time,position_x,position_y,position_z,focal_point_x,focal_point_y,focal_point_z\n"
         "1,8,3,8,0,1,0\n0,0,4,10,0,1,0\n");

@@ -106,7 +106,7 @@ struct PointColumns {
 /// others are: they may be an intensity and two components. So are decimals above 1, and only without other columns.
 PointColumns columns_by_values(const std::vector<Row>& rows, std::size_t first, std::size_t columns) {
   PointColumns out;
-  for (const auto [max_scale, decimals] : {std::pair(255.0f, false), {65535.0f, false}, {255.0f, true}}) {
+  for (const auto& [max_scale, decimals] : {std::pair(255.0f, false), {65535.0f, false}, {255.0f, true}}) {
     if (decimals && columns != first + (out.normal == kNoColumn ? 3 : 6)) break;
     for (std::size_t at = first; at + 3 <= columns; ++at) {
       if (at == out.color || at == out.normal) {
