@@ -34,7 +34,8 @@ std::size_t steps_of_picture(const Plan& plan) {
 }
 
 Result<Frame> Drawing::capture(const Plan& plan, const Camera& camera) const {
-  auto frame = is_captured(plan) ? Result<Frame>(device.branch(*captured)) : device.capture(camera, plan.capture, run.monitor);
+  auto frame =
+      is_captured(plan) ? Result<Frame>(device.branch(*captured)) : device.capture(camera, plan.capture, run.monitor);
   if (!frame) return frame;
   if (plan.marked && plan.capture.sample == 0) {
     const EffectStep step = marking_step(plan, frame->info);

@@ -113,7 +113,7 @@ bool draws_marked_samples(const Recipe& recipe) {
   run.settings = &of_samples;
   run.wanted.reset();  // a pass is the same alone and with others
   const bool noisy =
-      !recipe.edges_alone && !recipe.is_steady && recipe.occlusion != kNoOcclusion && (!technique || !technique->filters_itself);
+      !recipe.edges_alone && recipe.occlusion != kNoOcclusion && (!technique || !technique->filters_itself);
   return recipe.frames > 1 && !recipe.hdri.shown() && !noisy && runs_on_marked(run, recipe.averaged);
 }
 

@@ -12,6 +12,7 @@
 #include "effects/ground/ground.h"
 #include "effects/output/output.h"
 #include "effects/resample/resample.h"
+#include "effects/steady/steady.h"
 #include "looks/presets.h"
 #include "reference/reference.h"
 #include "renderer/marked_samples.h"
@@ -77,7 +78,8 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
     if (!recipe.effects_look && &effect == &effect_with<ResampleParams>() && follows_from_samples(row.name))
       return field_error("settings", assignment, "`{}` '{}': {}.{} follows from `anti_aliasing`", effect.name,
                          row.name);
-    if (!recipe.effects_look && !effect.joined_frames.empty() && row.name == effect.joined_frames)
+    const bool joins = &effect == &effect_with<SteadyParams>() && row.name != "distance" && row.name != "angle";
+    if (!recipe.effects_look && (joins || (!effect.joined_frames.empty() && row.name == effect.joined_frames)))
       return field_error("settings", assignment, "`{}` '{}': {}.{} is set for the frames of a sequence", effect.name,
                          row.name);
     if (auto status = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !status)

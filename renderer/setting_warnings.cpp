@@ -6,6 +6,7 @@
 
 #include "core/lists.h"
 #include "effects/resample/resample.h"
+#include "effects/steady/steady.h"
 #include "looks/looks.h"
 #include "looks/settings.h"
 #include "reference/reference.h"
@@ -19,6 +20,7 @@ namespace {
 bool uses_effect(const Recipe& recipe, std::string_view name) {
   const Effect* effect = find_effect(name);
   if (effect == &effect_with<ResampleParams>()) return draws_marked_samples(recipe);
+  if (effect == &effect_with<SteadyParams>()) return recipe.is_steady;
   return name == recipe.occlusion || (effect && effect->set_reduction) || contains(recipe.look->effects, name);
 }
 

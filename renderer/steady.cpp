@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 
 #include "core/lists.h"
 #include "effects/effects.h"
@@ -13,16 +14,26 @@ namespace {
 
 constexpr int kSpare = 2;  // frames that are kept beyond a window, since threads may ask for frames out of order
 
+constexpr const char* kJoined[] = {"depth",      "normal.x",   "normal.y",  "normal.z", "ao", "traced_confidence",
+                                   "indirect.r", "indirect.g", "indirect.b"};
+
 /// Returns the planes of a frame that others read.
 std::vector<std::string> joined_planes(const Device& device, const Frame& frame) {
   const std::vector<std::string> available = device.plane_names(frame);
-  std::vector<std::string> names = {"depth", "normal.x", "normal.y", "normal.z", "ao"};
-  for (const char* name : {"traced_confidence", "indirect.r", "indirect.g", "indirect.b"})
+  std::vector<std::string> names;
+  for (const char* name : kJoined)
     if (contains(available, name)) names.emplace_back(name);
   return names;
 }
 
 }  // namespace
+
+double steady_memory(const Plan& plan, int reach) {
+  constexpr double kOfTechnique = 12.0;  // planes that it and its filter write
+  const double light = 2.0 * double(std::size(kJoined)), full = double(plan.given.names.size()) + kOfTechnique;
+  const double planes = (reach + 2.0) * full + (reach + double(kSpare)) * light;
+  return planes * double(sizeof(float)) * double(plan.info.width) * double(plan.info.height);
+}
 
 SteadySequence::SteadySequence(Device& device, const Scene& scene, SteadyFrames frames)
     : device_(device),
@@ -45,21 +56,41 @@ std::vector<int> SteadySequence::neighbours(int frame, int reach) const {
   return found;
 }
 
+bool SteadySequence::is_ahead(int other, int frame) const {
+  const int count = frames_.end - frames_.begin;
+  const int distance = frames_.is_closed ? ((other - frame) % count + count) % count : other - frame;
+  return distance >= 0 && distance <= frames_.reach + kSpare;
+}
+
 void SteadySequence::release_frames(int frame) {
   const int count = frames_.end - frames_.begin;
   std::erase_if(drawn_, [&](const auto& entry) {
     const int distance = std::abs(entry.first - frame);
     return (frames_.is_closed ? std::min(distance, count - distance) : distance) > frames_.reach + kSpare;
   });
-  for (auto& [each, drawn] : drawn_) {
-    if (!drawn.is_finished) continue;
-    std::vector<std::string> others = device_.plane_names(drawn.frame);
-    for (const std::string& name : joined_planes(device_, drawn.frame)) std::erase(others, name);
-    device_.release(drawn.frame, others);
-  }
 }
 
-Result<void> SteadySequence::draw_lacking(std::vector<int> frames, StageTimes& times, const ProgressMonitor& monitor) {
+Result<void> SteadySequence::finish(Neighbour& drawn) {
+  if (drawn.is_finished) return {};
+  for (Frame* frame : {drawn.filtered ? &*drawn.filtered : nullptr, &drawn.frame}) {
+    if (!frame) continue;
+    auto planes = device_.download_with_guard(*frame, joined_planes(device_, *frame));
+    if (!planes) return planes.error();
+    GBuffer gbuffer{frame->info, {}};
+    gbuffer.info.more_layers.clear();
+    gbuffer.layers.push_back(std::move(*planes));
+    auto copy = device_.upload(std::move(gbuffer));
+    if (!copy) return copy.error();
+    *frame = std::move(*copy);
+  }
+  drawn.is_finished = true;
+  return {};
+}
+
+Result<void> SteadySequence::draw_lacking(int frame, StageTimes& times, const ProgressMonitor& monitor) {
+  std::vector<int> frames = neighbours(frame, frames_.reach);
+  frames.push_back(frame);
+  const std::vector<int> near = neighbours(frame, after_);
   std::erase_if(frames, [&](int each) { return drawn_.contains(each); });
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const auto part = [&](double fraction) {
@@ -67,12 +98,15 @@ Result<void> SteadySequence::draw_lacking(std::vector<int> frames, StageTimes& t
     };
     auto made = draw_technique(device_, scene_, frames_.plan(frames[k]), times, part);
     if (!made) return made.error();
-    drawn_.emplace(frames[k], Neighbour{std::move(*made)});
+    Neighbour& drawn = drawn_.emplace(frames[k], Neighbour{std::move(*made)}).first->second;
+    if (!is_ahead(frames[k], frame) && !contains(near, frames[k]))
+      if (auto done = finish(drawn); !done) return done;
   }
   return {};
 }
 
-Result<Frame> SteadySequence::joined(const Frame& own, const std::vector<const Frame*>& others, bool by_samples) {
+Result<Frame> SteadySequence::joined(const Frame& own, const std::vector<const Frame*>& others, bool by_samples,
+                                     const ProgressMonitor& monitor) {
   const Effect& steady = effect_with<SteadyParams>();
   ParameterBytes bytes = params_of(recipe_.settings, steady.name);
   auto& params = as<SteadyParams>(bytes);
@@ -85,23 +119,26 @@ Result<Frame> SteadySequence::joined(const Frame& own, const std::vector<const F
   for (const Frame* other : others) {
     if (auto added = device_.add_planes_of(*other, names, joined); !added) return added.error();
     joined.info.other_camera = other->info.camera;
-    if (auto state = device_.run(steady, bytes, joined); !state) return state.error();
+    if (auto state = device_.run(steady, bytes, joined, {}, monitor); !state) return state.error();
     params.begin = 0;
   }
+  std::vector<std::string> temporary = {"steady_weight"};
+  for (const std::string& name : names) temporary.push_back(other_plane(name));
+  device_.release(joined, temporary);
   return joined;
 }
 
-Result<void> SteadySequence::filter(int frame) {
+Result<void> SteadySequence::filter(int frame, const ProgressMonitor& monitor) {
   Neighbour& own = drawn_.at(frame);
   if (own.filtered) return {};
   std::vector<const Frame*> others;
   for (const int other : neighbours(frame, before_)) others.push_back(&drawn_.at(other).frame);
-  auto made = joined(own.frame, others, true);
+  auto made = joined(own.frame, others, technique_ != nullptr, monitor);
   if (!made) return made.error();
   if (technique_ && contains(device_.plane_names(*made), "ao")) {
     const int frames = int(others.size()) + 1;
     const ParameterBytes params = params_of_filter(*technique_, frames, params_of(recipe_.settings, technique_->name));
-    if (auto state = device_.run(*technique_, params, *made); !state) return state.error();
+    if (auto state = device_.run(*technique_, params, *made, {}, monitor); !state) return state.error();
   }
   own.filtered = std::move(*made);
   return {};
@@ -116,21 +153,22 @@ Result<Drawn> SteadySequence::draw(int frame, StageTimes& times, const ProgressM
   };
   release_frames(frame);
   std::erase_if(drawn_, [&](const auto& entry) { return entry.first == frame && entry.second.is_finished; });
-  std::vector<int> window = neighbours(frame, frames_.reach);
-  window.push_back(frame);
-  if (auto drawn = draw_lacking(std::move(window), times, part(0.0)); !drawn) return drawn.error();
-  if (auto done = filter(frame); !done) return done.error();
+  if (auto drawn = draw_lacking(frame, times, part(0.0)); !drawn) return drawn.error();
+  const auto still = [&](double) { return !monitor || monitor(0.5); };
+  if (auto done = filter(frame, still); !done) return done.error();
   std::vector<const Frame*> others;
   for (const int other : neighbours(frame, after_)) {
-    if (auto done = filter(other); !done) return done.error();
+    if (auto done = filter(other, still); !done) return done.error();
     others.push_back(&*drawn_.at(other).filtered);
   }
   Neighbour& own = drawn_.at(frame);
-  auto start = joined(*own.filtered, others, false);
+  auto start = joined(*own.filtered, others, false, still);
   if (!start) return start.error();
   times.done(effect_with<SteadyParams>().name);
   auto drawn = draw_after_technique(device_, scene_, frames_.plan(frame), *start, times, part(0.5), stops, more);
-  own.is_finished = true;
+  for (auto& [each, other] : drawn_)
+    if (each == frame || !is_ahead(each, frame))
+      if (auto done = finish(other); !done) return done.error();
   return drawn;
 }
 

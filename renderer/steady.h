@@ -23,6 +23,9 @@ struct SteadyFrames {
   bool is_closed = false;  ///< the last frame is followed by the first one
 };
 
+/// Returns about how many bytes the frames of a window take, besides the picture that is drawn.
+double steady_memory(const Plan& plan, int reach);
+
 /// Draws the frames of a sequence. Keeps the frames of one window, so frames in ascending order are drawn once.
 class SteadySequence {
  public:
@@ -37,19 +40,24 @@ class SteadySequence {
   struct Neighbour {
     Frame frame;                         ///< of draw_technique
     std::optional<Frame> filtered = {};  ///< a branch: joined, and filtered
-    bool is_finished = false;            ///< its picture is drawn: only the planes that others read are needed
+    bool is_finished = false;            ///< both have only the planes that others read
   };
 
   /// Returns the frames at most `reach` frames before and after a frame, without itself, from the nearest on.
   std::vector<int> neighbours(int frame, int reach) const;
-  /// Releases frames that are outside the window of `frame`, and the planes of finished ones that no other reads.
+  /// Releases frames that are outside the window of `frame`.
   void release_frames(int frame);
-  /// Draws the technique of those of the frames that are not there.
-  Result<void> draw_lacking(std::vector<int> frames, StageTimes& times, const ProgressMonitor& monitor);
+  /// Releases the planes that no other frame reads of a frame that is drawn, or will not be.
+  Result<void> finish(Neighbour& drawn);
+  /// Returns whether a frame is probably drawn after `frame`.
+  bool is_ahead(int other, int frame) const;
+  /// Draws the technique of the frames of a window that are not there.
+  Result<void> draw_lacking(int frame, StageTimes& times, const ProgressMonitor& monitor);
   /// Filters a frame's technique, joined with the frames around it, if that is not done.
-  Result<void> filter(int frame);
+  Result<void> filter(int frame, const ProgressMonitor& monitor);
   /// Returns a branch of a frame, joined with others. `by_samples`: weights are numbers of samples, otherwise equal.
-  Result<Frame> joined(const Frame& own, const std::vector<const Frame*>& others, bool by_samples);
+  Result<Frame> joined(const Frame& own, const std::vector<const Frame*>& others, bool by_samples,
+                       const ProgressMonitor& monitor);
 
   Device& device_;
   const Scene& scene_;

@@ -24,8 +24,9 @@ namespace {
 constexpr std::array<std::string_view, 11> kColumns = {"position_x",    "position_y",    "position_z", "focal_point_x",
                                                        "focal_point_y", "focal_point_z", "up_x",       "up_y",
                                                        "up_z",          "view_angle",    "time"};
-constexpr std::size_t kAngle = 9, kTime = 10;
+constexpr std::size_t kUp = 6, kAngle = 9;
 constexpr std::size_t kMaxKeys = 1000000;
+constexpr double kMinAngle_deg = 0.1, kMaxAngle_deg = 179.0;
 
 using Row = std::map<std::string, double>;  // values by column
 
@@ -41,6 +42,22 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
+/// Checks the names of columns. Errors: kFile for an unknown name, one given twice, and one that is missing.
+Result<void> check_columns(std::vector<std::string> names, const std::string& file) {
+  for (const std::string& name : names) {
+    if (!contains(kColumns, name))
+      return file_error("'{}': there is no column '{}'{}", file, name, suggestion(name, kColumns));
+    if (std::count(names.begin(), names.end(), name) > 1)
+      return file_error("'{}': the column '{}' is there twice", file, name);
+  }
+  const bool has_up = contains(names, kColumns[kUp]);
+  for (std::size_t k = 0; k < kAngle; ++k)
+    if ((k < kUp || has_up) && !contains(names, kColumns[k]))
+      return file_error("'{}': the column '{}' is missing; a path has {}", file, kColumns[k],
+                        fmt::join(kColumns, ", "));
+  return {};
+}
+
 Result<std::vector<Row>> rows_of_csv(std::istream& in, const std::string& file) {
   std::vector<Row> rows;
   std::vector<std::string> names;
@@ -50,7 +67,10 @@ Result<std::vector<Row>> rows_of_csv(std::istream& in, const std::string& file) 
     if (trimmed(line).empty() || trimmed(line)[0] == '#') continue;
     const auto cells = cells_of(line);
     if (names.empty()) {
+      if (cells.size() == 1 && line.find(';') != std::string::npos)
+        return file_error("'{}': values are separated by ';', but a path takes commas", file);
       names = cells;
+      if (auto status = check_columns(names, file); !status) return status.error();
       continue;
     }
     if (cells.size() != names.size())
@@ -65,40 +85,31 @@ Result<std::vector<Row>> rows_of_csv(std::istream& in, const std::string& file) 
   return rows;
 }
 
-Result<std::vector<Row>> rows_of_json(std::istream& in, const std::string& file) {
-  std::vector<Row> rows;
-  try {
-    const auto keys = nlohmann::json::parse(in);
-    if (!keys.is_array()) return file_error("'{}' is no array of key cameras", file);
-    for (const auto& key : keys) {
-      Row& row = rows.emplace_back();
-      for (const auto& [name, value] : key.items()) {
-        if (value.is_number()) row[name] = value.get<double>();
-        if (value.is_number()) continue;
-        const auto vector = value.get<std::array<double, 3>>();
-        for (std::size_t k = 0; k < vector.size(); ++k) row[fmt::format("{}_{}", name, "xyz"[k])] = vector[k];
-      }
-    }
-  } catch (const nlohmann::json::exception& error) {
-    return file_error("'{}', key camera {}: {}", file, rows.size(), error.what());
-  }
-  return rows;
+/// Adds a value of a key camera in JSON, a number or a vector. Returns whether it is one.
+bool add_value(const std::string& name, const nlohmann::json& value, Row& row) {
+  if (value.is_number()) row[name] = value.get<double>();
+  const bool is_vector = value.is_array() && value.size() == 3 &&
+                         std::all_of(value.begin(), value.end(), [](const auto& each) { return each.is_number(); });
+  for (std::size_t k = 0; is_vector && k < 3; ++k) row[fmt::format("{}_{}", name, "xyz"[k])] = value[k].get<double>();
+  return value.is_number() || is_vector;
 }
 
-/// Checks the columns of a row, which is a key camera. Errors: kFile.
-Result<void> check_row(const Row& row, std::size_t number, const std::string& file) {
-  for (const auto& [name, value] : row) {
-    if (!contains(kColumns, name))
-      return file_error("'{}': there is no column '{}'{}", file, name, suggestion(name, kColumns));
-    if (!std::isfinite(value)) return file_error("'{}', key camera {}: {} is not finite", file, number, name);
+Result<std::vector<Row>> rows_of_json(std::istream& in, const std::string& file) {
+  const auto keys = nlohmann::json::parse(in, nullptr, false);
+  if (keys.is_discarded()) return file_error("'{}' is no valid JSON", file);
+  if (!keys.is_array()) return file_error("'{}' must be an array of key cameras", file);
+  std::vector<Row> rows;
+  for (const auto& key : keys) {
+    Row& row = rows.emplace_back();
+    if (!key.is_object()) return file_error("'{}', key camera {} is no object", file, rows.size());
+    std::vector<std::string> names;
+    for (const auto& [name, value] : key.items())
+      if (!add_value(name, value, row))
+        return file_error("'{}', key camera {}: '{}' must be a number or three", file, rows.size(), name);
+    for (const auto& [name, value] : row) names.push_back(name);
+    if (auto status = check_columns(names, file); !status) return status.error();
   }
-  for (std::size_t k = 0; k < kColumns.size(); ++k) {
-    const bool is_vector_begun = k >= 6 && k < kAngle && row.contains(std::string(kColumns[6]));
-    if ((k < 6 || is_vector_begun) && !row.contains(std::string(kColumns[k])))
-      return file_error("'{}', key camera {}: {} is missing; a path has the columns {}", file, number, kColumns[k],
-                        fmt::join(kColumns, ", "));
-  }
-  return {};
+  return rows;
 }
 
 glm::dvec3 vector_at(const std::array<double, 10>& key, std::size_t first) {
@@ -111,16 +122,18 @@ Result<CameraPath> CameraPath::read(const std::filesystem::path& path) {
   const std::string file = path.string();
   std::ifstream in(path, std::ios::binary);
   if (!in) return file_error("cannot read '{}'", file);
+  if (std::filesystem::is_directory(path)) return file_error("'{}' is a folder", file);
+  for (const int byte : {0xef, 0xbb, 0xbf})  // the byte order mark of UTF-8
+    if (in.peek() == byte) in.get();
   const bool is_json = (in >> std::ws).peek() == '[' || in.peek() == '{';
   const auto rows = is_json ? rows_of_json(in, file) : rows_of_csv(in, file);
   if (!rows) return rows.error();
-  if (rows->size() < 2) return file_error("'{}' has {} key cameras; a path needs two", file, rows->size());
+  if (rows->size() < 2) return file_error("'{}' has fewer than two key cameras", file);
   if (rows->size() > kMaxKeys) return file_error("'{}' has more than {} key cameras", file, kMaxKeys);
   CameraPath result;
   const bool has_times = rows->front().contains("time");
   for (std::size_t k = 0; k < rows->size(); ++k) {
     const Row& row = (*rows)[k];
-    if (auto status = check_row(row, k + 1, file); !status) return status.error();
     if (row.size() != rows->front().size())
       return file_error("'{}', key camera {}: it has other columns than the first", file, k + 1);
     Key& key = result.keys_.emplace_back();
@@ -128,6 +141,12 @@ Result<CameraPath> CameraPath::read(const std::filesystem::path& path) {
       if (const auto found = row.find(std::string(kColumns[column])); found != row.end()) key[column] = found->second;
     if (vector_at(key, 0) == vector_at(key, 3))
       return file_error("'{}', key camera {}: position and focal point are equal", file, k + 1);
+    if (row.contains(std::string(kColumns[kUp])) && vector_at(key, kUp) == glm::dvec3(0.0))
+      return file_error("'{}', key camera {}: up must not be 0", file, k + 1);
+    if (const auto angle = row.find(std::string(kColumns[kAngle]));
+        angle != row.end() && !(angle->second >= kMinAngle_deg && angle->second <= kMaxAngle_deg))
+      return file_error("'{}', key camera {}: view_angle must be from {} to {}, not {}", file, k + 1, kMinAngle_deg,
+                        kMaxAngle_deg, angle->second);
     if (has_times) result.times_.push_back(row.at("time"));
     if (has_times && k > 0 && result.times_[k] <= result.times_[k - 1])
       return file_error("'{}', key camera {}: its time, {}, is not after that of the one before", file, k + 1,
@@ -178,7 +197,7 @@ void CameraPath::set_camera(double time_s, Framing& framing) const {
   framing.focal_point = vector_at(at, 3);
   framing.direction.reset();
   if (has_up_) framing.view_up = glm::vec3(vector_at(at, 6));
-  if (has_angle_) framing.view_angle_deg = float(std::clamp(at[kAngle], 0.1, 179.0));
+  if (has_angle_) framing.view_angle_deg = float(std::clamp(at[kAngle], kMinAngle_deg, kMaxAngle_deg));
 }
 
 }  // namespace umbrage

@@ -61,19 +61,26 @@ TEST_F(CameraPathTest, ReadsJson) {
   path->set_camera(path->duration_s() / 2.0, framing);
   EXPECT_NEAR(framing.position->y, 2.0, 1e-9);
   EXPECT_NEAR(framing.view_up->y, 0.5, 1e-6);
+  const auto marked = read("\xef\xbb\xbf" + kHeader + "0,0,0,5,0,0,0,30\r\n1,1,0,5,0,0,0,30\r\n");
+  EXPECT_TRUE(marked) << marked.error().message;
 }
 
 TEST_F(CameraPathTest, RefusesBadFilesByName) {
   for (const auto& [text, said] :
-       {std::pair<std::string, std::string>(kHeader + "0,0,0,5,0,0,0,30\n", "needs two"),
+       {std::pair<std::string, std::string>(kHeader + "0,0,0,5,0,0,0,30\n", "fewer than two"),
         {kHeader + "1,0,0,5,0,0,0,30\n1,1,0,5,0,0,0,30\n", "key camera 2: its time, 1, is not after"},
         {kHeader + "0,0,0,5,0,0,0,30\n1,1,x,5,0,0,0,30\n", "line 3: position_y must be a number, not 'x'"},
         {kHeader + "0,0,0,5,0,0,0\n", "7 values for 8 columns"},
         {kHeader + "0,0,0,5,0,0,5,30\n1,0,0,5,0,0,0,30\n", "position and focal point are equal"},
         {"positionx,a\n1,2\n3,4\n", "no column"},
-        {"position_x,position_y\n1,2\n3,4\n", "position_z is missing"},
-        {"[{\"position\": [1, 2]}]", "key camera 1"},
-        {"{}", "no array"}}) {
+        {"position_x,position_y\n1,2\n3,4\n", "'position_z' is missing"},
+        {"[{\"position\": [1, 2]}]", "key camera 1: 'position' must be a number or three"},
+        {"[1]", "key camera 1 is no object"},
+        {"[", "no valid JSON"},
+        {"time;position_x\n0;1\n", "commas"},
+        {"position_x,position_x\n", "twice"},
+        {kHeader + "0,0,0,5,0,0,0,180\n1,1,0,5,0,0,0,30\n", "view_angle must be from 0.1 to 179, not 180"},
+        {"{}", "must be an array"}}) {
     const auto path = read(text);
     ASSERT_FALSE(path) << text;
     EXPECT_NE(path.error().message.find(said), std::string::npos) << path.error().message;

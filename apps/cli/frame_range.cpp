@@ -114,7 +114,7 @@ std::string frames_text(std::span<const int> frames) {
 }
 
 std::vector<int> Shard::of(std::span<const int> frames) const {
-  const auto begin_of = [&](int part) { return frames.begin() + long(frames.size()) * part / count; };
+  const auto begin_of = [&](int part) { return frames.begin() + (long(frames.size()) * part + count - 1) / count; };
   return {begin_of(index), begin_of(index + 1)};
 }
 

@@ -17,8 +17,8 @@ inline constexpr int kMaxFrames = 1000000;
 /// Returns ascending frames as text, shortened if it is long: "1-3, 7, 9-12".
 std::string frames_text(std::span<const int> frames);
 
-/// One of `count` parts of a sequence, which several processes make. A part is a run of frames, since each is drawn with
-/// its neighbours.
+/// One of `count` parts of a sequence, which several processes make. A part is a run of frames, since each is drawn
+/// with its neighbours.
 struct Shard {
   int index = 0, count = 1;  ///< index: from 0
 

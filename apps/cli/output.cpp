@@ -31,7 +31,9 @@ void add_output_options(CLI::App& command, RenderOptions& options, std::string_v
 }
 
 void add_frame_rate(CLI::App& command, double& frame_rate) {
-  add_number(command, "--frame-rate", frame_rate, {0.1, 1000}, "frames per second of a video")->group("Output");
+  add_number(command, "--frame-rate", frame_rate, {0.1, 1000},
+             "frames per second of a video, a camera path or an animation")
+      ->group("Output");
 }
 
 Result<double> parse_memory(std::string_view text) {

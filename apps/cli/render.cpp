@@ -129,9 +129,11 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   job.memory = *memory;
   auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
-  const Effect* technique = find_effect(recipe->occlusion);  // the others have no noise that could flicker
-  recipe->is_steady =
-      output->is_moving() && !output->is_animation() && o.steady > 0 && technique && !technique->noise.empty();
+  // Without noise nothing flickers. The noise of techniques without a filter of their own is averaged with the samples.
+  const Effect* technique = find_effect(recipe->occlusion);
+  recipe->is_steady = output->is_moving() && output->motion != Motion::kAnimation && o.steady > 0 && technique &&
+                      !technique->noise.empty() && (technique->filters_itself || recipe->frames == 1);
+  job.steady = o.steady;
   job.requested = job.recipe = std::move(*recipe);
   const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)
                                 : o.output == kStandardOutput ? "png"
@@ -178,7 +180,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
 
 /// Returns the strips that keep the picture within --memory. Switches to the CPU if `device` cannot draw strips and
 /// --device is auto. Errors: kUsage for a picture that needs strips but cannot be drawn in strips.
-Result<StripSizes> planned_strips(const RenderOptions& o, const RenderJob& job, const Plan& plan,
+Result<StripSizes> planned_strips(const RenderOptions& o, RenderJob& job, const Plan& plan,
                                   std::unique_ptr<Device>& device) {
   auto strips = plan_strips(*device, plan, job.memory);
   if (!strips && o.request.device == "auto" && !device->draws_strips()) {
@@ -189,6 +191,14 @@ Result<StripSizes> planned_strips(const RenderOptions& o, const RenderJob& job, 
     device = std::move(*other);
     strips = plan_strips(*device, plan, job.memory);
   }
+  if (strips && strips->rows == 0 && job.recipe.is_steady) {
+    while (job.steady > 0 && strips->bytes + steady_memory(plan, job.steady) > job.memory) --job.steady;
+    if (job.steady < o.steady)
+      print_warning(
+          fmt::format("--steady {} of {} x {} pixels needs about {:.2g} GB, more than --memory {}: --steady {} is used",
+                      o.steady, o.request.width, o.request.height,
+                      (strips->bytes + steady_memory(plan, o.steady)) * 1e-9, o.memory, job.steady));
+  }
   if (!strips || strips->rows == 0) return strips;
   const auto too_large = [&](std::string_view option, std::string_view value, std::string_view advice) {
     return with_field(field_error(option, value, "{}{} of {} x {} pixels needs more than --memory {}: {}",
@@ -197,7 +207,7 @@ Result<StripSizes> planned_strips(const RenderOptions& o, const RenderJob& job, 
   };
   if (o.writes_only("all")) return too_large("--passes", " all", "name the passes, or raise --memory");
   if (o.time_s > 0.0) return too_large("--time", "", "raise --memory, or lower --resolution");
-  if (job.output.is_moving()) return too_large(job.output.motion, "", "raise --memory, or lower --resolution");
+  if (job.output.is_moving()) return too_large(job.output.option(), "", "raise --memory, or lower --resolution");
   return strips;
 }
 
@@ -317,7 +327,8 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   command
       ->add_option("-o,--output", options->output,
                    "file to write: .png, .jpg, .webp, .exr or .pfm; .svg for only the lines, by default those of the "
-                   "look cartoon; - for a PNG on standard output; with --turntable also .mp4, .webm or .gif")
+                   "look cartoon; - for a PNG on standard output; with --turntable, --camera-path or --animate also "
+                   ".mp4, .webm or .gif")
       ->type_name("FILE")
       ->required()
       ->group(output);

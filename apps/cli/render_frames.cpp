@@ -27,12 +27,17 @@ constexpr int kMaxFramesOfMotion = 100000;
 
 /// Sets the name and the length of the motion. Errors: kUsage; kFile.
 Result<void> set_motion_of(const RenderOptions& o, const ImportSettings& settings, Output& output) {
-  output.motion = o.turntable > 0          ? "--turntable"
-                  : !o.camera_path.empty() ? "--camera-path"
-                  : o.animates             ? "--animate"
-                                           : "";
+  output.motion = o.turntable > 0          ? Motion::kTurntable
+                  : !o.camera_path.empty() ? Motion::kPath
+                  : o.animates             ? Motion::kAnimation
+                                           : Motion::kNone;
   double duration_s = 0.0;
   if (!o.camera_path.empty()) {
+    const CameraSettings& camera = o.request.camera;
+    if (camera.position || camera.focal_point || camera.direction || camera.index)
+      return field_error("--camera-path", "",
+                         "{} gives position and focal point: leave out --camera-position, "
+                         "--camera-focal-point, --camera-direction and --camera-index");
     auto path = CameraPath::read(o.camera_path);
     if (!path) return with_field(path.error(), "--camera-path", o.camera_path);
     duration_s = path->duration_s();
@@ -41,6 +46,8 @@ Result<void> set_motion_of(const RenderOptions& o, const ImportSettings& setting
   if (o.animates) {
     if (contains(o.models, "-"))
       return field_error("--animate", "", "{} reads the model again for each frame: give a file in place of -");
+    if (o.models.size() > 1)
+      return field_error("--animate", "", "{0} draws the animation of one model, and {2} are given", o.models.size());
     ImportSettings any = settings;
     any.animation_index = o.request.animation_index;
     const auto scene = load_models(o.models, o.input_format, any);
@@ -57,8 +64,9 @@ Result<void> set_motion_of(const RenderOptions& o, const ImportSettings& setting
   // A frame at the end, too, if it falls on one, whatever the rounding.
   const double count = o.turntable > 0 ? o.turntable : std::floor(duration_s * o.frame_rate + 1e-6) + 1.0;
   if (count > kMaxFramesOfMotion)
-    return field_error("--frame-rate", o.frame_rate, "{0} {1} makes {2:.0f} frames of {3:g} s; at most {4} can be drawn",
-                       count, duration_s, kMaxFramesOfMotion);
+    return field_error("--frame-rate", o.frame_rate,
+                       "{0} {1} makes {2:.0f} frames of {3:g} s; at most {4} can be drawn", count, duration_s,
+                       kMaxFramesOfMotion);
   output.count = int(count);
   return {};
 }
@@ -87,7 +95,7 @@ Result<void> set_frames(const RenderOptions& o, Output& output) {
   auto frames = parse_frames(o.sequence.frames);
   if (!frames) return frames.error();
   if (frames->back() >= output.count)
-    return field_error("--frames", o.sequence.frames, "{0} {1}: {2} makes the frames 0 to {3}", output.motion,
+    return field_error("--frames", o.sequence.frames, "{0} {1}: {2} makes the frames 0 to {3}", output.option(),
                        output.count - 1);
   output.frames = std::move(*frames);
   return {};
@@ -100,12 +108,12 @@ struct Drawing {
   Device& device;
   const Scene& scene;
   const Plan& plan;
-  SteadyFrames poses;
-  std::vector<int> pose_of_frame;  ///< frames of one camera have one pose
-  SteadySequence steady;
-  Destination destination;            ///< of the first frame
-  std::unique_ptr<Scene> moved = {};  ///< of the frame of an animation
-  std::optional<float> stops = {};    ///< exposure of the first frame, used for all
+  Destination destination;                    ///< of the first frame
+  SteadyFrames poses = {};                    ///< of a turntable or camera path
+  std::vector<int> pose_of_frame = {};        ///< of a camera path
+  std::optional<SteadySequence> steady = {};  ///< of the poses, if frames are joined
+  std::unique_ptr<Scene> moved = {};          ///< of the frame of an animation
+  std::optional<float> stops = {};            ///< exposure of the first frame, used for all
   bool is_first = true;
   std::mutex mutex = {};  ///< guards the device and the members above it
 };
@@ -113,14 +121,15 @@ struct Drawing {
 /// Returns the seconds after the start of the motion.
 double time_of(const RenderOptions& o, int frame) { return double(frame) / o.frame_rate; }
 
-/// Sets the framing of each pose of a camera path. Frames whose camera stands still have the pose of the frame before.
+/// Sets the framing of each pose of a camera path. Returns the pose of each frame: while the camera stands still,
+/// frames have one.
 std::vector<int> find_poses(const RenderOptions& o, const Output& output, const Framing& framing,
                             std::vector<Framing>& poses) {
   std::vector<int> pose_of_frame;
   for (int frame = 0; frame < output.count; ++frame) {
     Framing pose = framing;
-    if (output.path) output.path->set_camera(time_of(o, frame), pose);
-    const bool stands = !poses.empty() && output.path && pose.position == poses.back().position &&
+    output.path->set_camera(time_of(o, frame), pose);
+    const bool stands = !poses.empty() && pose.position == poses.back().position &&
                         pose.focal_point == poses.back().focal_point && pose.view_up == poses.back().view_up &&
                         pose.view_angle_deg == poses.back().view_angle_deg;
     if (!stands) poses.push_back(std::move(pose));
@@ -129,19 +138,22 @@ std::vector<int> find_poses(const RenderOptions& o, const Output& output, const 
   return pose_of_frame;
 }
 
-/// Returns the plans of the poses of a turntable or camera path.
-SteadyFrames frames_of(const RenderOptions& o, const Output& output, const Scene& scene, const Plan& first,
-                       std::vector<Framing> poses) {
-  const int count = int(poses.size());
-  const bool turns = output.motion == "--turntable";
-  const auto plan_of = [&scene, &first, turns, count, poses = std::move(poses)](int pose) {
+/// Returns the plans of the poses of a turntable or camera path. `first`: the plan of pose 0.
+SteadyFrames frames_of(const RenderOptions& o, const RenderJob& job, const Scene& scene, Plan first,
+                       std::vector<Framing> path) {
+  const bool turns = job.output.motion == Motion::kTurntable;
+  const int count = turns ? job.output.count : int(path.size());
+  // All frames have the exposure of the first one, whichever are drawn.
+  if (!first.metered) first.metered = std::make_shared<Plan>(first);
+  const int stride = o.time_s > 0.0 ? kMaxProgressiveSamples : first.recipe.frames;
+  const auto plan_of = [=, &scene, path = std::move(path)](int pose) {
     constexpr float kWholeTurnDeg = 360.0f;
     Plan plan = turns ? turned(first, scene, kWholeTurnDeg * float(pose) / float(count))
-                      : seen_from(first, scene, poses[std::size_t(pose)]);
-    if (plan.recipe.is_steady) plan.first_noise += pose * plan.recipe.frames;  // noise moves, so that it averages out
+                      : seen_from(first, scene, path[std::size_t(pose)]);
+    if (plan.recipe.is_steady) plan.first_noise += pose * stride;  // noise moves, so that it averages out
     return plan;
   };
-  return {.plan = plan_of, .reach = o.steady, .end = count, .is_closed = turns};
+  return {.plan = plan_of, .reach = job.steady, .end = count, .is_closed = turns};
 }
 
 /// Draws a frame of an animation, for which it reads the model again.
@@ -166,11 +178,12 @@ Result<Drawn> draw_animated(Drawing& all, int frame, StageTimes& times, TimedSam
 
 /// Draws a frame.
 Result<Drawn> draw_of_frame(Drawing& all, const FrameTask& task, StageTimes& times, TimedSamples& timed) {
-  if (all.job.output.is_animation()) return draw_animated(all, task.frame, times, timed);
-  const int pose = all.pose_of_frame[std::size_t(task.frame)];
   const ProgressMonitor monitor = timed.monitor();
-  if (all.plan.recipe.is_steady && task.writes)
-    return all.steady.draw(pose, times, monitor, all.stops, timed.continuation());
+  if (all.job.output.motion == Motion::kAnimation) return draw_animated(all, task.frame, times, timed);
+  if (!all.job.output.is_moving())
+    return draw(all.device, all.scene, all.plan, times, monitor, all.stops, timed.continuation());
+  const int pose = all.pose_of_frame.empty() ? task.frame : all.pose_of_frame[std::size_t(task.frame)];
+  if (all.steady && task.writes) return all.steady->draw(pose, times, monitor, all.stops, timed.continuation());
   return draw(all.device, all.scene, all.poses.plan(pose), times, monitor, all.stops, timed.continuation());
 }
 
@@ -301,7 +314,7 @@ Result<Output> output_of(const RenderOptions& o, const ImportSettings& settings)
   if (auto status = set_frames(o, output); !status) return status.error();
   if (output.is_video) return output;
   if (piped)
-    return field_error(output.motion, "",
+    return field_error(output.option(), "",
                        "{} writes several pictures, and -o - takes one: name a file, such as turn.png");
   auto names = frame_names(o.output, "--output");
   if (!names) return with_field(names.error(), "--output");
@@ -315,11 +328,13 @@ Result<Output> output_of(const RenderOptions& o, const ImportSettings& settings)
 Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& device, const Scene& scene,
                          const Plan& plan, StageTimes& times) {
   const ScopedPlanePool kept(device.pool());
-  std::vector<Framing> framings;
-  std::vector<int> pose_of_frame = find_poses(o, job.output, job.recipe.framing, framings);
-  const SteadyFrames poses = frames_of(o, job.output, scene, plan, std::move(framings));
-  Drawing all{
-      o, job, device, scene, plan, poses, std::move(pose_of_frame), {device, scene, poses}, {o.output, nullptr, {}}};
+  Drawing all{o, job, device, scene, plan, {o.output, nullptr, {}}};
+  if (job.output.motion == Motion::kTurntable || job.output.path) {
+    std::vector<Framing> path;
+    if (job.output.path) all.pose_of_frame = find_poses(o, job.output, job.recipe.framing, path);
+    all.poses = frames_of(o, job, scene, plan, std::move(path));
+    if (job.recipe.is_steady) all.steady.emplace(device, scene, all.poses);
+  }
   if (!job.output.is_moving()) return draw_in_order(all, nullptr, times);
   if (job.output.is_video) {
     auto video = Video::begin(o.output, video_settings(o, o.request.width, o.request.height));

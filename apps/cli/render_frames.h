@@ -2,6 +2,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/cli/frame_names.h"
@@ -15,9 +16,12 @@
 
 namespace umbrage::cli {
 
+/// What moves from frame to frame.
+enum class Motion { kNone, kTurntable, kPath, kAnimation };
+
 /// The files to write and the frames, found before the model is drawn.
 struct Output {
-  std::string motion;              ///< the option that moves the camera or the model; empty: one picture
+  Motion motion = Motion::kNone;   ///< kNone: one picture
   int count = 1;                   ///< number of frames of the motion
   std::optional<CameraPath> path;  ///< of --camera-path
   float duration_s = 0.0f;         ///< of the animation of --animate
@@ -26,9 +30,12 @@ struct Output {
   FrameNames names = {};          ///< file names of frames that are no video
   Sequence sequence = {};         ///< of these files
 
-  bool is_moving() const { return !motion.empty(); }
+  bool is_moving() const { return motion != Motion::kNone; }
+  /// Returns the option of the motion.
+  std::string_view option() const {
+    return motion == Motion::kTurntable ? "--turntable" : motion == Motion::kPath ? "--camera-path" : "--animate";
+  }
   bool is_sequence() const { return is_moving() && !is_video; }
-  bool is_animation() const { return motion == "--animate"; }
 };
 
 /// A command line whose options are checked and resolved, before the model is read.
@@ -39,6 +46,7 @@ struct RenderJob {
   Recipe recipe;     ///< recipe reduced to the planes that the output needs
   ImportSettings model_import;
   double memory = 0.0;
+  int steady = 0;  ///< --steady, or less if that needs more memory
 };
 
 /// Adds the options that move the camera or the model, and those of the frames.

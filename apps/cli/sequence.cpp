@@ -264,8 +264,7 @@ void add_sequence_options(CLI::App& command, SequenceOptions& options, bool has_
   options.command = &command;
   if (has_frames) {
     CLI::Option* frames = command.add_option(
-        "--frames", options.frames,
-        "frames of a sequence: 1-240, 1-240x2 for every second one, or 1,3,5-9 [all files of the name]");
+        "--frames", options.frames, "frames of a sequence: 1-240, 1-240x2 for every second one, or 1,3,5-9 [all]");
     frames->type_name("RANGE")->group(output);
     add_check(*frames, [](const std::string& text) -> Result<void> {
       const auto parsed = parse_frames(text);

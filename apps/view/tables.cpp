@@ -89,7 +89,8 @@ nlohmann::json effect_records() {
   for (const Effect* effect : effects_with_external()) {
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
     nlohmann::json parameters = nlohmann::json::array();
-    for (const Parameter& row : effect->parameters)
+    for (const Parameter& row : effect->parameters) {
+      if (row.name == effect->joined_frames) continue;  // the renderer sets it
       parameters.push_back({{"name", row.name},
                             {"set", fmt::format("{}.{}", effect->name, row.name)},
                             {"help", with_option_names(row.help)},
@@ -100,6 +101,7 @@ nlohmann::json effect_records() {
                             {"max", row.max},
                             {"zero_means", row.zero_means},
                             {"choices", row.choices}});
+    }
     records.push_back({{"name", effect->name},
                        {"summary", effect->summary},
                        {"kind", kEffectKinds[int(effect->kind)]},

@@ -7,7 +7,9 @@
 
 #include "core/effect.h"
 #include "kernels/steady_ao.h"
+#include "kernels/steady_ao_rays.h"
 #include "kernels/steady_light.h"
+#include "kernels/steady_light_rays.h"
 
 namespace umbrage {
 namespace {
@@ -24,7 +26,6 @@ const std::vector<Parameter> kSteadyTable = {
 };
 
 void fill_steady(const SteadyParams& params, const PictureInfo& info, SteadyConstants& c) {
-  c.weight = params.weight;
   c.begin = params.begin;
   c.distance = params.distance;
   c.turn = float(1.0 / (1.0 - std::cos(params.angle * std::numbers::pi / 180.0)));
@@ -45,36 +46,39 @@ void fill_steady(const SteadyParams& params, const PictureInfo& info, SteadyCons
   c.ray_offset_y = other.camera.top;
 }
 
-bool joins_light(const ParameterBytes& bytes) { return as<SteadyParams>(bytes).light != 0; }
-bool joins_no_light(const ParameterBytes& bytes) { return !joins_light(bytes); }
+template <bool light, bool rays>
+bool joins(const ParameterBytes& bytes) {
+  const auto& params = as<SteadyParams>(bytes);
+  return (params.light != 0) == light && (params.weight == kSteadyRays) == rays;
+}
+
+/// Returns the dispatch that joins occlusion, indirect light if `light`, and weighs by rays if `rays`.
+template <bool light, bool rays>
+Dispatch join_dispatch(std::string_view name, const Kernel& kernel) {
+  std::vector<std::string_view> outputs = {"ao", "steady_weight"};
+  std::vector<std::string_view> inputs = {"depth",          "normal.x",       "normal.y",
+                                          "normal.z",       "other_depth",    "other_normal.x",
+                                          "other_normal.y", "other_normal.z", "other_ao"};
+  if (light) outputs.insert(outputs.end(), {"indirect.r", "indirect.g", "indirect.b"});
+  if (light) inputs.insert(inputs.end(), {"other_indirect.r", "other_indirect.g", "other_indirect.b"});
+  if (rays) outputs.emplace_back("traced_confidence"), inputs.emplace_back("other_traced_confidence");
+  inputs.insert(inputs.end(), outputs.begin(), outputs.end());
+  return {.name = name, .inputs = inputs, .outputs = outputs, .kernel = kernel, .needed = joins<light, rays>};
+}
 
 }  // namespace
 
 Effect effect_steady() {
-  const std::vector<std::string_view> inputs = {
-      "depth",          "normal.x",       "normal.y",       "normal.z", "traced_confidence",       "other_depth",
-      "other_normal.x", "other_normal.y", "other_normal.z", "other_ao", "other_traced_confidence", "ao",
-      "steady_weight"};
-  std::vector<std::string_view> with_light = inputs;
-  with_light.insert(with_light.end(), {"other_indirect.r", "other_indirect.g", "other_indirect.b", "indirect.r",
-                                       "indirect.g", "indirect.b"});
   return shading_effect<fill_steady>(
       kSteadyTable,
       {.name = "steady",
        .summary = "join the occlusion and indirect light of neighbouring frames of a sequence, along surfaces",
-       .variants = {"", "light=on"},
+       .variants = {"", "light=on", "weight=rays"},
        .neutral = {{"other_depth", 0.0f}, {"steady_weight", 1.0f}, {"traced_confidence", 0.5f}},
-       .dispatches = {
-           {.name = "ao",
-            .inputs = inputs,
-            .outputs = {"ao", "steady_weight", "traced_confidence"},
-            .kernel = steady_ao_kernel(),
-            .needed = joins_no_light},
-           {.name = "light",
-            .inputs = with_light,
-            .outputs = {"ao", "steady_weight", "traced_confidence", "indirect.r", "indirect.g", "indirect.b"},
-            .kernel = steady_light_kernel(),
-            .needed = joins_light}}});
+       .dispatches = {join_dispatch<false, false>("ao", steady_ao_kernel()),
+                      join_dispatch<true, false>("light", steady_light_kernel()),
+                      join_dispatch<false, true>("ao_rays", steady_ao_rays_kernel()),
+                      join_dispatch<true, true>("light_rays", steady_light_rays_kernel())}});
 }
 
 }  // namespace umbrage

@@ -15,10 +15,10 @@ struct SteadyParams {
 const int kSteadyEqual = 0, kSteadyRays = 1;
 
 struct SteadyConstants {
-  int weight, begin;  // as in SteadyParams
-  int usable;         // 1 if both cameras have the same projection, otherwise 0
-  float distance;     // as in SteadyParams
-  float turn;         // 1 / (1 - cosine of the angle)
+  int begin;       // as in SteadyParams
+  int usable;      // 1 if both cameras have the same projection, otherwise 0
+  float distance;  // as in SteadyParams
+  float turn;      // 1 / (1 - cosine of the angle)
   // A point p of this view space is (dot(x, p) + x[3], ...) in that of the other frame.
   float x[4], y[4], z[4];
   // As FrameConstants, of the other frame.

@@ -1,15 +1,19 @@
 // Joins the occlusion and indirect light of another frame of a sequence: each surface point of this frame is found in
 // the other one by the cameras of both, and takes the mean of the pixels there that show its surface. Runs once for
 // each other frame; `steady_weight` is the sum of weights so far.
-// KERNEL steady_ao: LIGHT=0
-// KERNEL steady_light: LIGHT=1
+// KERNEL steady_ao: LIGHT=0 RAYS=0
+// KERNEL steady_light: LIGHT=1 RAYS=0
+// KERNEL steady_ao_rays: LIGHT=0 RAYS=1
+// KERNEL steady_light_rays: LIGHT=1 RAYS=1
 IN_REAL(other_depth)
 IN_VECTOR(other_normal)
 IN_REAL(other_ao)
-IN_REAL(other_traced_confidence)
 INOUT_REAL(ao)
 INOUT_REAL(steady_weight)
+#if RAYS == 1
+IN_REAL(other_traced_confidence)
 INOUT_REAL(traced_confidence)
+#endif
 #if LIGHT == 1
 IN_COLOR(other_indirect)
 INOUT_COLOR(indirect)
@@ -21,11 +25,17 @@ IN_VECTOR(normal)
 // A frame counts from this part of the bilinear weights on, fully from twice that on.
 CONST float kMinFound = 0.25f;
 
-// Returns the weight of a value: the number of its rays, or 1.
-FN Real rays_of(Real confidence) {
-  if (C.weight == kSteadyEqual) return Real(1.0f);
-  return confidence / max(Real(1.0f) - confidence, Real(1e-3f));
-}
+// Returns the number of rays.
+FN Real rays_of(Real confidence) { return confidence / max(Real(1.0f) - confidence, Real(1e-3f)); }
+
+// Return the weight of this pixel's value, and of pixel (x, y) of the other frame: the number of rays, or 1.
+#if RAYS == 1
+FN Real own_weight() { return rays_of(own_traced_confidence()); }
+FN Real weight_there(Int x, Int y) { return rays_of(load_other_traced_confidence(x, y)); }
+#else
+FN Real own_weight() { return Real(1.0f); }
+FN Real weight_there(Int x, Int y) { return Real(1.0f); }
+#endif
 
 FN Vec3 turned_there(Vec3 v) {
   return Vec3(mad(v.x, Real(C.x[0]), mad(v.y, Real(C.x[1]), v.z * C.x[2])),
@@ -46,9 +56,7 @@ FN void steady_pixel(Int px, Int py) {
   Vec3 light = own_indirect();
   Vec3 light_change = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
 #endif
-  Real confidence = own_traced_confidence();
-  Real rays = rays_of(confidence);
-  Real weight = C.begin != 0 ? rays : own_steady_weight();
+  Real weight = C.begin != 0 ? own_weight() : own_steady_weight();
   Real depth = near_depth(0, 0);
   Vec3 normal = turned_there(near_normal(0, 0));
   Vec3 position = turned_there(view_position(px, py, depth)) + Vec3(Real(C.x[3]), Real(C.y[3]), Real(C.z[3]));
@@ -79,7 +87,7 @@ FN void steady_pixel(Int px, Int py) {
         Real fit = same_surface_weight(max(distance, (1.0f - dot(normal, tap_normal)) * Real(C.turn)));
         Real near = (i == 0 ? 1.0f - right : right) * (j == 0 ? 1.0f - below : below);
         near = select(inside && visible && is_finite(fit), near * fit, Real(0.0f));
-        Real tap_rays = near * rays_of(load_other_traced_confidence(tap_x, tap_y));
+        Real tap_rays = near * weight_there(tap_x, tap_y);
         found = found + near;
         sum = sum + tap_rays;
         change = mad(tap_rays, clean_ao(load_other_ao(tap_x, tap_y)) - own, change);
@@ -96,12 +104,13 @@ FN void steady_pixel(Int px, Int py) {
     light = light + light_change * share;
 #endif
     weight = total;
-    if (C.weight == kSteadyRays) confidence = total / (total + 1.0f);
   }
   store_ao(own);
 #if LIGHT == 1
   store_indirect(light);
 #endif
   store_steady_weight(weight);
-  store_traced_confidence(confidence);
+#if RAYS == 1
+  store_traced_confidence(weight / (weight + 1.0f));
+#endif
 }
