@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/lists.h"
+#include "core/lowercase.h"
 #include "gbuffers/camera_guess.h"
 #include "gbuffers/deciding.h"
 #include "gbuffers/depth_guess.h"
@@ -137,6 +138,12 @@ void decide_camera(Deciding& d, const KnownCamera& known) {
                                 : "assumed; `fov_deg` sets another";
     if (d.guess.fitted_fov && d.normals.empty()) source = "fitted so that flat surfaces are flat";
     if (d.first) camera = d.first->camera, source = "as in the first frame";
+    for (const LayeredFile& header : d.headers)
+      for (const auto& [name, text] : header.attributes)
+        if (const std::string key = lowercase(name);
+            header.format == "NPZ" && (key.find("fov") != key.npos || key.find("focal") != key.npos))
+          d.warn(
+              fmt::format("{} {} is not used: vertical degrees are `fov_deg`, pixels `focal_length_px`", name, text));
     camera.view_from_world = view;
   }
   if (camera.projection == Projection::kOrthographic)
