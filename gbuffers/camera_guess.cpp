@@ -96,16 +96,22 @@ std::vector<float> numbers_of(const std::string& text) {
 }
 
 /// Returns the camera that numbers of a header describe: the horizontal angle of view of V-Ray and Unreal, in degrees;
-/// intrinsics beside the arrays of an NPZ.
+/// intrinsics or an angle whose name has its axis beside the arrays of an NPZ.
 std::optional<DescribedCamera> described_camera(std::span<const LayeredFile> headers, double aspect) {
   constexpr std::string_view kIntrinsics[] = {
       "intrinsics", "intrinsic", "k", "cam_k", "camera_matrix", "focallength_px", "focal_length", "focal_length_px"};
+  constexpr std::string_view kUp[] = {"fov_y", "fovy", "vfov", "fov_deg"}, kAcross[] = {"fov_x", "fovx", "hfov"};
+  constexpr double kRadians = 3.15;  // an angle up to here may be in radians
   for (const LayeredFile& header : headers)
     for (const auto& [name, text] : header.attributes) {
-      if (name == "cameraFov" || (name.starts_with("unreal/camera/") && name.ends_with("/fov")))
-        if (const auto angle = parse_number(text, {.min = 0.1, .max = 179.0}))
-          return DescribedCamera{symmetric_camera(std::tan(*angle * std::numbers::pi / 360.0) / aspect, aspect), name};
-      if (header.format == "NPZ" && contains(kIntrinsics, lowercase(name)))
+      const std::string key = header.format == "NPZ" ? lowercase(name) : "";
+      const bool is_up = contains(kUp, key);
+      if (is_up || contains(kAcross, key) || name == "cameraFov" ||
+          (name.starts_with("unreal/camera/") && name.ends_with("/fov")))
+        if (const auto angle = parse_number(text, {.min = key.empty() ? 0.1 : kRadians, .max = 179.0}))
+          return DescribedCamera{
+              symmetric_camera(std::tan(*angle * std::numbers::pi / 360.0) / (is_up ? 1.0 : aspect), aspect), name};
+      if (contains(kIntrinsics, key))
         if (const auto camera = camera_of_intrinsics(numbers_of(text), header.width, header.height))
           return DescribedCamera{*camera, name};
     }

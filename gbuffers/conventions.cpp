@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/lists.h"
+#include "core/lowercase.h"
 #include "gbuffers/camera_guess.h"
 #include "gbuffers/deciding.h"
 #include "gbuffers/depth_guess.h"
@@ -137,6 +138,12 @@ void decide_camera(Deciding& d, const KnownCamera& known) {
                                 : "assumed; `fov_deg` sets another";
     if (d.guess.fitted_fov && d.normals.empty()) source = "fitted so that flat surfaces are flat";
     if (d.first) camera = d.first->camera, source = "as in the first frame";
+    for (const LayeredFile& header : d.headers)
+      for (const auto& [name, text] : header.attributes)
+        if (const std::string key = lowercase(name);
+            header.format == "NPZ" && (key.find("fov") != key.npos || key.find("focal") != key.npos))
+          d.warn(
+              fmt::format("{} {} is not used: vertical degrees are `fov_deg`, pixels `focal_length_px`", name, text));
     camera.view_from_world = view;
   }
   if (camera.projection == Projection::kOrthographic)
@@ -180,22 +187,26 @@ void decide_normals(Deciding& d, const KnownCamera& known) {
   NormalChoice choice = choose_rotation(d.settings, rebuilt, rotations, slack_deg);
   if (is_own) choice.meaning = "camera space, as Umbrage writes them";
   d.out.normal.view_from_stored = choice.view_from_stored;
-  d.fact(fmt::format("normal: {}, {}, {}", d.roles[Role::kNormal].name,
-                     d.out.normal.offset != 0.0 ? "0..1 encoded" : "signed", choice.meaning));
+  const char* third = d.out.normal.lacks_z ? ", z from x and y since the third channel is constant" : "";
+  d.fact(fmt::format("normal: {}, {}{}, {}", d.roles[Role::kNormal].name,
+                     d.out.normal.offset != 0.0 ? "0..1 encoded" : "signed", third, choice.meaning));
   if (is_own || !choice.median_deg) return;
   const double misfit_deg =
       std::max(rebuilt.bias_deg(choice.view_from_stored), std::min(*choice.median_deg, roughness_deg(d)));
-  d.fact(fmt::format("check: normals against normals rebuilt from depth: median {:.2g} deg, without facets {:.2g} deg",
-                     *choice.median_deg, misfit_deg));
-  const bool fits = misfit_deg <= kNormalMismatch_deg;
+  constexpr double kMismatch_deg = 7.0;  // a shift by a few pixels is less than a wrong rotation
+  d.fact(
+      fmt::format("check: normals against normals rebuilt from depth: median {:.2g} deg, without facets {:.2g} deg; "
+                  "up to {} deg fit",
+                  *choice.median_deg, misfit_deg, kMismatch_deg));
+  const bool fits = misfit_deg <= kMismatch_deg;
   if (!fits && d.roles.normal_is_guess) {
     d.out.is_unusable[std::size_t(Role::kNormal)] = true;
     d.fact(fmt::format("normal: {} are no normals, and are not used", d.roles[Role::kNormal].name));
   } else if (!fits)
     d.warn(fmt::format(
-        "normals and depth do not fit, by {:.0f} deg in the median: `depth_kind`, `fov_deg`, `orthographic`, "
-        "`flip`, `normal_space` or `normal_encoding` may be needed, or they are of different pictures",
-        misfit_deg));
+        "normals and depth do not fit, by {:.0f} deg in the median{}: `depth_kind`, `fov_deg`, `orthographic`, "
+        "`flip`, `normal_space` or `normal_encoding` may be needed, or one is shifted or of another picture",
+        misfit_deg, third));
   else if (choice.is_open)
     d.warn(
         fmt::format("the normals {} have one direction, which fits many axes: {} is taken; `normal_space` or "
@@ -372,21 +383,21 @@ std::vector<char> surfaces_of(const Deciding& d) {
 Result<void> decide_encoding(Deciding& d, const KnownCamera& known) {
   const double max_integer = d.channel_of(Role::kNormal).max_integer;
   const std::vector<char> surfaces = surfaces_of(d);
-  const EncodingGuess guess = guess_encoding(d.samples, surfaces, d.settings, max_integer);
-  bool is_unsigned = guess.is_unsigned;
+  EncodingGuess guess = guess_encoding(d.samples, surfaces, d.settings, max_integer);
   if (!guess.is_clear && d.has(Role::kDepth)) {
     DirectionFit fits[2];  // signed, unsigned
     for (const bool tried : {false, true}) {
       GBufferFacts unused;
       Deciding trial{d.settings, d.headers, d.roles, d.samples, unused, d.out, {}, d.position, {}, {}};
-      trial.normals = decode_normals(d.samples, surfaces, max_integer, tried, trial.out.normal);
+      trial.normals = decode_normals(d.samples, surfaces, max_integer, {tried}, trial.out.normal);
       if (auto decided = decide_depth(trial, known); !decided) return decided;
       fits[tried] = trial.guess.trial.normals;
     }
     if (std::max(fits[0].score_deg, fits[1].score_deg) < DirectionFit().score_deg)
-      is_unsigned = fits[1].score_deg < fits[0].score_deg;
+      guess.is_unsigned = fits[1].score_deg < fits[0].score_deg;
   }
-  d.normals = decode_normals(d.samples, surfaces, max_integer, is_unsigned, d.out.normal);
+  if (guess.lacks_z) d.settings.normal_space = "camera";
+  d.normals = decode_normals(d.samples, surfaces, max_integer, guess, d.out.normal);
   return {};
 }
 

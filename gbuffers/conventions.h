@@ -24,6 +24,13 @@ struct DepthConvention {
 struct NormalConvention {
   double scale = 1.0, offset = 0.0;  ///< component = offset + scale * stored value
   glm::dmat3 view_from_stored{1.0};
+  bool lacks_z = false;  ///< the third channel says nothing: z is towards the camera
+
+  /// Returns the vector of stored channels, not of unit length.
+  glm::dvec3 decoded(const glm::dvec3& stored) const {
+    const glm::dvec3 n = offset + scale * stored;
+    return lacks_z ? glm::dvec3(n.x, n.y, std::sqrt(std::max(1.0 - n.x * n.x - n.y * n.y, 0.0))) : n;
+  }
 };
 
 /// view depth = dot(forward, position - eye).

@@ -415,19 +415,22 @@ TEST(Conventions, OneDirectionOfNormalsLeavesAxesOpen) {
 }
 
 TEST(Conventions, DepthOfAnotherPictureIsWarnedOf) {
-  TestScene moved = scene();
-  for (int y = 0; y < moved.height; ++y)
-    for (int x = 0; x < moved.width; ++x) {
-      const Hit other = moved.cast(x + 40.0, y + 12.0);
-      moved.hits[std::size_t(y * moved.width + x)].depth = other.found ? other.depth : 0.0;
-    }
+  const auto moved_by = [](double across, double down) {
+    TestScene moved = scene();
+    for (int y = 0; y < moved.height; ++y)
+      for (int x = 0; x < moved.width; ++x) {
+        const Hit other = moved.cast(x + across, y + down);
+        moved.hits[std::size_t(y * moved.width + x)].depth = other.found ? other.depth : 0.0;
+      }
+    return moved;
+  };
   TestScene flipped = scene();
   for (int y = 0; y < flipped.height; ++y)
     for (int x = 0; x < flipped.width; ++x) {
       const Hit& other = test::hit_at(x, flipped.height - 1 - y);
       flipped.hits[std::size_t(y * flipped.width + x)].depth = other.found ? other.depth : 0.0;
     }
-  for (const TestScene& made : {moved, flipped})
+  for (const TestScene& made : {moved_by(40.0, 12.0), moved_by(5.0, 0.0), flipped})
     for (const auto normal : {normal_view, normal_world}) {
       TestFile file(made);
       file.add("Z", 0.0f, depth_of);
@@ -466,6 +469,23 @@ TEST(Conventions, SmoothNormalsOfFacetsFitDepth) {
   const Understood got = understand(file, settings);
   EXPECT_TRUE(got.facts.warnings.empty()) << got.text();
   EXPECT_NE(got.text().find("camera space, x right, y up, z to the camera"), std::string::npos) << got.text();
+}
+
+TEST(Conventions, ConstantThirdChannelLeavesZToTheOthers) {
+  for (const float constant : {0.0f, 128.0f, 255.0f})
+    for (const bool octahedral : {false, true}) {
+      TestFile file = byte_normals(scene(), glm::dvec3(1.0));
+      for (std::size_t k = 0; k < scene().hits.size(); ++k) {
+        const glm::dvec3 n = glm::abs(scene().hits[k].normal_view);
+        for (std::size_t axis = 0; axis < 2 && octahedral; ++axis)
+          file.values[1 + axis][k] = 127.5f + (file.values[1 + axis][k] - 127.5f) / float(n.x + n.y + n.z + 1e-9);
+        file.values[3][k] = constant;
+      }
+      const Understood got = understand(file, {.fov_deg = 40.0f});
+      expect_same(got, scene(), 1e-4, octahedral ? 2.0 : 0.15);
+      EXPECT_NE(got.text().find("third channel is constant"), std::string::npos) << got.text();
+      EXPECT_EQ(test::has_warning(got, "third channel is constant"), octahedral) << got.text();
+    }
 }
 
 }  // namespace

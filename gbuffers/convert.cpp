@@ -119,7 +119,6 @@ void convert_normals(const RawRows& raw, const Conventions& c, const Rows& rows,
   const Plane& depth = out.plane("depth");
   Plane &nx = out.plane("normal.x"), &ny = out.plane("normal.y"), &nz = out.plane("normal.z");
   const PixelGrid grid(c.camera, c.width, c.height);
-  const auto scale = float(c.normal.scale), offset = float(c.normal.offset);
   const glm::mat3 rotation(c.normal.view_from_stored);
   for_rows(rows.begin, rows.end, [&](int y) {
     const int from = y - raw.first, to = y - rows.begin;
@@ -132,7 +131,7 @@ void convert_normals(const RawRows& raw, const Conventions& c, const Rows& rows,
       const glm::vec3 stored =
           source < 0 ? glm::vec3(0.0f) : glm::vec3(sx->at(source, from), sy->at(source, from), sz->at(source, from));
       const bool empty = stored == glm::vec3(0.0f) || !std::isfinite(depth.at(x, to));
-      glm::vec3 n = empty ? glm::vec3(0.0f) : rotation * (offset + scale * stored);
+      glm::vec3 n = empty ? glm::vec3(0.0f) : rotation * glm::vec3(c.normal.decoded(stored));
       const float length = glm::length(n);
       n = length > 0.0f && std::isfinite(length) ? n / length : glm::vec3(0.0f);
       // Normals of surfaces that are seen from behind are turned. Smoothed normals may point slightly away.

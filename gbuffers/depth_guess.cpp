@@ -324,6 +324,7 @@ Result<DepthGuess> guess_depth(const DepthEvidence& e) {
   const Cells cells = e.cells.balanced(kTrialCells);
   DepthGuess guess;
   std::size_t chosen = 0;
+  double first_flatness = 0.0;
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     bool is_clear = false;
     const Trial trial = try_candidate(e, cells, candidates[k].model, is_clear);
@@ -332,10 +333,19 @@ Result<DepthGuess> guess_depth(const DepthEvidence& e) {
         k > 0 && candidates[k].has_free_offset && candidates[k].meaning == candidates[chosen].meaning;
     const bool better =
         same_kind ? trial.normals.score_deg < guess.trial.normals.score_deg : is_much_better(cells, trial, guess.trial);
+    if (k == 0) first_flatness = trial.flatness;
     if (k > 0 && !better) continue;
     guess.trial = trial;
     guess.fitted_fov = is_clear;
     chosen = k;
+  }
+  // Normals that fit nothing well are no reason to bend surfaces that are flat as lengths.
+  constexpr double kDoubtful_deg = 5.0;
+  if (cells.have_normals && chosen > 0 && !candidates[0].is_relative && first_flatness <= guess.trial.flatness &&
+      guess.trial.normals.median_deg > kDoubtful_deg) {
+    DepthEvidence without = e;
+    without.cells.have_normals = false;
+    return guess_depth(without);
   }
   if (candidates[chosen].has_free_offset && cells.have_normals) refine_offset(e, cells, candidates[chosen], guess);
   compare_with_buffers(e, cells, candidates, chosen, guess);

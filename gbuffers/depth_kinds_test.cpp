@@ -384,5 +384,47 @@ TEST(DepthKinds, NormalsThatAreFifteenDegreesOffAreWarnedOf) {
   EXPECT_TRUE(has_warning(understand(file), "do not fit")) << understand(file).text();
 }
 
+TEST(DepthKinds, NormalsThatFitNothingDoNotBendPlanarDepth) {
+  TestFile file(scene());
+  file.add("Z", 1e10f, [](const Hit& hit) { return hit.depth; });
+  file.max_integer = 255.0;
+  for (int axis = 0; axis < 3; ++axis)
+    file.add(std::string("N.") + "XYZ"[axis], 0.0f,
+             [&](const Hit& hit) { return axis == 2 ? 10.0 * hit.object : 127.5 + 127.5 * hit.normal_view[axis]; });
+  const Understood got = understand(file, {.fov_deg = 40.0f});
+  EXPECT_EQ(got.conventions.depth.model.meaning, DepthMeaning::kPlanar) << got.text();
+}
+
+TEST(DepthKinds, ManyPixelsAtTheMaxAreWarnedOf) {
+  double far = 0.0;
+  for (const Hit& hit : scene().hits) far = std::max(far, hit.found ? hit.depth : 0.0);
+  TestFile file(scene());
+  file.add("Z", float(far), [](const Hit& hit) { return hit.depth; });
+  GBufferSettings settings;
+  EXPECT_TRUE(has_warning(understand(file, settings), "`depth_background`")) << understand(file, settings).text();
+  settings.depth_background = float(far);
+  EXPECT_TRUE(understand(file, settings).facts.warnings.empty()) << understand(file, settings).text();
+}
+
+TEST(DepthKinds, NegativeDepthMayHaveZeroAsBackground) {
+  TestFile file(scene());
+  file.add("Z", 0.0f, [](const Hit& hit) { return -hit.depth; });
+  for (const bool by_option : {false, true}) {
+    GBufferSettings settings;
+    if (by_option) settings.depth_scale = -1.0f;
+    const Understood got = understand(file, settings);
+    EXPECT_TRUE(got.facts.warnings.empty()) << got.text();
+    EXPECT_FLOAT_EQ(got.planes.plane("depth").at(120, 140), float(hit_at(120, 140).depth));
+    EXPECT_TRUE(std::isinf(got.planes.plane("depth").at(120, 0)));
+  }
+}
+
+TEST(DepthKinds, NearestPixelsAtZeroAreNoBackgroundBelow) {
+  const double near = hit_at(120, 110).depth;
+  const Understood got = understand(grey_png(
+      65535, 65535.0f, [&](const Hit& hit) { return std::clamp((hit.depth - near) / near, 0.0, 0.9) * 65535.0; }));
+  EXPECT_FALSE(has_warning(got, "upside down")) << got.text();
+}
+
 }  // namespace
 }  // namespace umbrage

@@ -69,6 +69,19 @@ void warn_of_no_surface(Deciding& d) {
   if (!any) d.warn(fmt::format("the depth {} shows no surface: {}", d.roles[Role::kDepth].name, values));
 }
 
+/// Warns of lengths with one max at many pixels without normals: a sky that is as far as surfaces, or clipped.
+void warn_of_wall(Deciding& d) {
+  constexpr double kMany = 0.05;  // fraction of the samples
+  const DepthValues& v = d.values;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < v.taps.size(); ++k)
+    count += v.taps[k][kCenter] == v.max && (d.normals.empty() || d.normals[k] == glm::dvec3(0.0));
+  if (v.distinct >= DepthValues::kManyValues && double(count) > kMany * double(v.taps.size()))
+    d.warn(fmt::format("the depth {} is {} at {:.0f} % of the pixels, its max: `depth_background` {} if it is the sky",
+                       d.roles[Role::kDepth].name, number_text(v.max), 100.0 * double(count) / double(v.taps.size()),
+                       number_text(v.max)));
+}
+
 }  // namespace
 
 void report_depth(Deciding& d) {
@@ -104,6 +117,7 @@ void report_depth(Deciding& d) {
   warn_of_steps(d);
   warn_of_points(d);
   warn_of_no_surface(d);
+  if (is_length && !d.guess.is_relative) warn_of_wall(d);
 }
 
 void warn_of_flip(Deciding& d) {
@@ -112,7 +126,8 @@ void warn_of_flip(Deciding& d) {
   for (std::size_t k = 0; k < d.samples.size(); ++k) {
     const int third = std::min(2, 3 * d.samples.y[k] / std::max(d.samples.height, 1));
     ++all[third];
-    empty[third] += std::size_t(!std::isfinite(d.values.taps[k][kCenter]));
+    const double v = stored_depth(d.out.depth, double((*d.samples.find(Role::kDepth, 0))[kCenter][k]));
+    empty[third] += std::size_t(!std::isfinite(view_depth(d.guess.trial.model, v, 1.0)));
   }
   if (double(empty[2]) > kMuch * double(all[2]) && double(empty[0]) < kLittle * double(all[0]))
     d.warn("the background is at the bottom of the picture: `flip` if it is upside down");

@@ -102,7 +102,8 @@ DepthValues depth_values(const Samples& samples, double max_integer, MayBe may, 
   }
   const auto below_zero = std::size_t(std::lower_bound(sorted.begin(), sorted.end(), 0.0) - sorted.begin());
   constexpr double kNearlyAll = 0.95;
-  out.is_negative = !sorted.empty() && double(below_zero) > kNearlyAll * double(sorted.size());
+  // 0 may be the background.
+  out.is_negative = below_zero > 0 && double(below_zero) > kNearlyAll * (1.0 - out.at_low) * double(sorted.size());
   if (may.be_buffer) find_ends(sorted, faces, may.be_bytes, out, depth);
   // A value of 0 is no surface in any kind of length, and lengths have one sign.
   if (!may.be_low)

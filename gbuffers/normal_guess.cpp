@@ -70,20 +70,21 @@ class StoredNormals {
                        : NormalConvention{unit_, 0.0, glm::dmat3(1.0)};
   }
   glm::dvec3 decoded(const NormalConvention& c, std::size_t k) const {
-    return {c.offset + c.scale * at(0, k), c.offset + c.scale * at(1, k), c.offset + c.scale * at(2, k)};
+    return c.decoded({at(0, k), at(1, k), at(2, k)});
   }
   bool is_empty(std::size_t k) const { return at(0, k) == 0.0 && at(1, k) == 0.0 && at(2, k) == 0.0; }
-  /// Returns the finite lengths of the normals of surfaces.
-  std::vector<double> lengths(const NormalConvention& c, const std::vector<char>& has_surface) const {
+  /// Returns the finite ones of value(k) for the normals of surfaces.
+  template <class Value>
+  std::vector<double> values(const std::vector<char>& has_surface, const Value& value) const {
     std::vector<double> all;
     for (std::size_t k = 0; k < has_surface.size(); ++k)
-      if (has_surface[k] && !is_empty(k)) all.push_back(glm::length(decoded(c, k)));
+      if (has_surface[k] && !is_empty(k)) all.push_back(value(k));
     std::erase_if(all, [](double v) { return !std::isfinite(v); });
     return all;
   }
+  double at(std::size_t c, std::size_t k) const { return double((*stored_[c])[k]); }
 
  private:
-  double at(std::size_t c, std::size_t k) const { return double((*stored_[c])[k]); }
   double unit_;
   std::array<const std::vector<float>*, 3> stored_{};
 };
@@ -92,25 +93,36 @@ class StoredNormals {
 
 EncodingGuess guess_encoding(const Samples& samples, const std::vector<char>& has_surface,
                              const GBufferSettings& settings, double max_integer) {
-  if (settings.normal_encoding != "auto") return {settings.normal_encoding == "unsigned", true};
   const StoredNormals stored(samples, max_integer);
   // Averaging shortens normals at edges, so that the median is compared.
-  const auto deviation = [&](bool is_unsigned) {
-    std::vector<double> deviations = stored.lengths(stored.convention(is_unsigned), has_surface);
-    for (double& v : deviations) v = std::abs(v - 1.0);
-    return quantile(std::move(deviations), 0.5);
+  const auto deviation = [&](bool is_unsigned, double fraction) {
+    const NormalConvention c = stored.convention(is_unsigned);
+    const auto off = [&](std::size_t k) { return std::abs(glm::length(stored.decoded(c, k)) - 1.0); };
+    return quantile(stored.values(has_surface, off), fraction);
   };
-  const double as_unsigned = deviation(true), as_signed = deviation(false);
+  const auto channel = [&](std::size_t c, double fraction) {
+    return quantile(stored.values(has_surface, [&](std::size_t k) { return stored.at(c, k); }), fraction);
+  };
+  const bool is_given = settings.normal_encoding != "auto", given = settings.normal_encoding == "unsigned";
+  constexpr double kFew = 0.02, kMost = 1.0 - kFew, kEdges = 0.05, kOff = 0.1;  // of the surfaces; of lengths
+  const double x = channel(0, kFew), y = channel(1, kFew);
+  if (channel(2, kFew) == channel(2, kMost) && x < channel(0, kMost) && y < channel(1, kMost) &&
+      std::min(deviation(true, 1.0 - kEdges), deviation(false, 1.0 - kEdges)) > kOff)
+    return {is_given ? given : std::min(x, y) >= 0.0, true, true};
+  if (is_given) return {given, true};
+  const double as_unsigned = deviation(true, 0.5), as_signed = deviation(false, 0.5);
   const double better = std::min(as_unsigned, as_signed), worse = std::max(as_unsigned, as_signed);
   constexpr double kUnit = 0.05, kFactor = 0.25;  // of lengths that are 1, and that are nearer to 1 than others
   return {as_unsigned < as_signed, better < kUnit && better < kFactor * worse};
 }
 
 std::vector<glm::dvec3> decode_normals(const Samples& samples, const std::vector<char>& has_surface, double max_integer,
-                                       bool is_unsigned, NormalConvention& convention) {
+                                       const EncodingGuess& guess, NormalConvention& convention) {
   const StoredNormals stored(samples, max_integer);
-  convention = stored.convention(is_unsigned);
-  const double usual = quantile(stored.lengths(convention, has_surface), 0.5);
+  convention = stored.convention(guess.is_unsigned);
+  convention.lacks_z = guess.lacks_z;
+  const double usual = quantile(
+      stored.values(has_surface, [&](std::size_t k) { return glm::length(stored.decoded(convention, k)); }), 0.5);
   std::vector<glm::dvec3> normals(samples.size(), glm::dvec3(0.0));
   // Of the usual length. Shorter: nothing, or an average of opposite directions; longer: a background, such as white.
   constexpr double kMinLength = 0.3, kMaxLength = 1.5;
@@ -170,9 +182,9 @@ NormalCheck check_normals(const Samples& samples, const Camera& camera, const GB
   const double one = max <= kMaxSigned ? 1.0 : max <= kMaxByte ? kMaxByte : kMaxShort;
   const EncodingGuess guess = guess_encoding(samples, surfaces, settings, one);
   NormalCheck check;
-  if (guess.is_unsigned && guess.is_clear) check.unsigned_max = one;
+  if (guess.is_unsigned && guess.is_clear && !guess.lacks_z) check.unsigned_max = one;
   NormalConvention unused;
-  const auto normals = decode_normals(samples, surfaces, one, check.unsigned_max.has_value(), unused);
+  const auto normals = decode_normals(samples, surfaces, one, {check.unsigned_max.has_value()}, unused);
   Cells cells{samples.width, samples.height, samples.reach, {}, true};
   for (std::size_t k = 0; k < normals.size(); ++k) {
     Cell cell{samples.x[k], samples.y[k], {}, normals[k]};

@@ -12,6 +12,7 @@ namespace umbrage {
 struct EncodingGuess {
   bool is_unsigned = false;  ///< components from 0 to 1 stand for -1 to 1
   bool is_clear = false;     ///< the lengths leave no doubt
+  bool lacks_z = false;      ///< the third channel is constant: the others hold the normals
 };
 
 /// Guesses the encoding of stored normals: the one that gives lengths nearer to 1. `has_surface`: of each sample
@@ -21,7 +22,7 @@ EncodingGuess guess_encoding(const Samples& samples, const std::vector<char>& ha
 
 /// Returns the stored normals of the samples, unit, in their own space; 0 where there is none.
 std::vector<glm::dvec3> decode_normals(const Samples& samples, const std::vector<char>& has_surface, double max_integer,
-                                       bool is_unsigned, NormalConvention& convention);
+                                       const EncodingGuess& guess, NormalConvention& convention);
 
 /// A rotation to view space that something else suggests.
 struct KnownRotation {

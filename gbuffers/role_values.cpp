@@ -194,7 +194,31 @@ Result<void> find_depth_in_beauty(Finding& f) {
   return {};
 }
 
-/// Tells which arrays of an NPZ are not used, such as confidences.
+/// Takes another depth instead of one with values below and above 0, if there is one without. Errors: kFile.
+Result<void> find_depth_of_one_sign(Finding& f) {
+  const auto is_mixed = [&](const RoleChannels& channels) -> Result<bool> {
+    constexpr double kSome = 0.01;  // fraction of the samples
+    const auto samples = f.samples_of(Role::kDepth, channels);
+    if (!samples) return samples.error();
+    const std::vector<float>& v = (*samples->find(Role::kDepth, 0))[kCenter];
+    const auto below = std::count_if(v.begin(), v.end(), [](float x) { return x < 0.0f; });
+    const auto above = std::count_if(v.begin(), v.end(), [](float x) { return x > 0.0f; });
+    return double(std::min(below, above)) > kSome * double(v.size());
+  };
+  RoleChannels& depth = f.roles[Role::kDepth];
+  auto mixed = f.roles.other_depths.empty() ? Result<bool>(false) : is_mixed(depth);
+  for (std::size_t k = 0; mixed && *mixed && k < f.roles.other_depths.size(); ++k) {
+    auto& [other, hint] = f.roles.other_depths[k];
+    mixed = is_mixed(other);
+    if (!mixed || *mixed) continue;
+    f.facts.warnings.push_back(fmt::format("the depth {} is below and above 0: {} is used", depth.name, other.name));
+    std::swap(depth, other);
+    std::swap(f.roles.depth_hint, hint);
+  }
+  return mixed ? Result<void>() : mixed.error();
+}
+
+/// Tells which arrays of an NPZ are not used, such as confidences, and which other depths.
 void tell_unused(Finding& f) {
   std::vector<std::string> names;
   for (std::size_t file = 0; file < f.headers.size(); ++file) {
@@ -205,6 +229,10 @@ void tell_unused(Finding& f) {
           }))
         names.push_back(group.name);
   }
+  for (const auto& [other, hint] : f.roles.other_depths)
+    if (const LayeredFile& header = f.header_of(other); header.format != "NPZ")
+      names.push_back(fmt::format("{} (`depth_file` {}:{})", other.name, header.path.filename().string(),
+                                  header.channels[std::size_t(other.channels[0])].full_name()));
   if (!names.empty()) f.facts.lines.push_back(fmt::format("not used: {}", fmt::join(names, ", ")));
 }
 
@@ -215,6 +243,8 @@ Result<void> find_roles_by_values(const GBufferSettings& settings, std::span<con
   Finding f{settings, headers, sample_roles, roles, facts};
   if (auto found = find_vectors(f); !found) return found;
   if (auto found = find_depth_in_beauty(f); !found) return found;
+  if (roles.depth_hint != DepthHint::kHeight && roles.depth_hint != DepthHint::kDisparity)
+    if (auto found = find_depth_of_one_sign(f); !found) return found;
   if (!roles[Role::kDepth].empty())
     if (auto found = find_depth_channel(f); !found) return found;
   tell_unused(f);

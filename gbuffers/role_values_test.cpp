@@ -11,7 +11,9 @@
 namespace umbrage {
 namespace {
 
+using test::has_warning;
 using test::Hit;
+using test::hit_at;
 using test::scene;
 using test::TestFile;
 using test::understand;
@@ -230,6 +232,31 @@ TEST(RoleValues, PointMapsBesideMaskAndConfidence) {
     EXPECT_NEAR(got.conventions.camera.top, scene().top(), 1e-4) << got.text();
     EXPECT_TRUE(says(got, "not used: conf (Y)")) << got.text();
   }
+}
+
+TEST(RoleValues, AnglesOfAnNpz) {
+  TestFile file(scene(), "NPZ");
+  file.add(
+      "Y", 0.0f, [](const Hit& hit) { return hit.depth; }, ChannelType::kFloat, "depth");
+  const double across = 360.0 / 3.14159265358979 * std::atan(scene().top() * 1.5);
+  for (const auto& [name, angle] : {std::pair("fov_y", 40.0), {"fov_x", across}, {"fov", 40.0}}) {
+    file.header.attributes = {{name, fmt::format("{}", angle)}};
+    const Understood got = understand(file);
+    if (std::string(name) == "fov")
+      EXPECT_TRUE(has_warning(got, "fov 40 is not used: vertical degrees are `fov_deg`")) << got.text();
+    else
+      EXPECT_NEAR(got.conventions.camera.top, scene().top(), 1e-5) << got.text();
+  }
+}
+
+TEST(RoleValues, DepthOfOneSignIsPreferred) {
+  TestFile file(scene());
+  file.add("Depth.V", 1.0f, [](const Hit& hit) { return 0.1 * (hit.depth - hit_at(120, 110).depth); });
+  file.add("Z", 0.0f, [](const Hit& hit) { return hit.depth; });
+  const Understood got = understand(file);
+  expect_depth(got, 1e-5);
+  EXPECT_TRUE(has_warning(got, "the depth Depth (V) is below and above 0: Z is used")) << got.text();
+  EXPECT_TRUE(says(got, "not used: Depth (V) (`depth_file` test.exr:Depth.V)")) << got.text();
 }
 
 }  // namespace

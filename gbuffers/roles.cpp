@@ -289,6 +289,9 @@ void find_all(const LayeredFile& header, int file, const std::vector<ChannelGrou
     search.prefix = prefix_of(*depth);
     roles[Role::kDepth] = taken(*depth, Role::kDepth);
     roles.depth_hint = hint_of(*depth, header);
+    for (const ChannelGroup& group : groups)
+      if (&group != depth && group.channels.size() == 1 && rank_in(names_of(Role::kDepth), known_as(group, header)))
+        roles.other_depths.emplace_back(taken(group, Role::kDepth), hint_of(group, header));
   }
   search.taken = {depth};
   for (const Role role : {Role::kNormal, Role::kPosition, Role::kAlbedo, Role::kIndirect, Role::kEmission,
@@ -461,6 +464,7 @@ Result<Roles> find_roles(std::span<const RoleFile> files, std::span<const Layere
       // A picture whose only layer was taken for depth is the beauty if another file has the depth.
       if (roles.depth_is_guess && roles[Role::kDepth].channels.size() >= 3) roles[Role::kBeauty] = roles[Role::kDepth];
       roles.depth_is_guess = false;
+      roles.other_depths.clear();
       roles.depth_hint = hint_of(*group, headers[k]);
     }
     roles[file.role] = taken(*group, file.role);

@@ -65,12 +65,13 @@ struct RoleChannels {
 struct Roles {
   std::array<RoleChannels, kRoleCount> of;
   DepthHint depth_hint = DepthHint::kNone;
-  bool depth_is_guess = false;        ///< no name says that this is depth: it is the only layer
-  bool normal_is_guess = false;       ///< no name says that these are normals: their length is 1
-  std::vector<ChannelGroup> unknown;  ///< vectors of the main file whose names say nothing
-  std::vector<std::string> own;       ///< plane names of the channels of kOwn, in their order
-  std::string view;                   ///< view of a stereo file; else empty
-  std::vector<std::string> views;     ///< all views of the first file
+  bool depth_is_guess = false;   ///< no name says that this is depth: it is the only layer
+  bool normal_is_guess = false;  ///< no name says that these are normals: their length is 1
+  std::vector<std::pair<RoleChannels, DepthHint>> other_depths;  ///< of the main file, by their names
+  std::vector<ChannelGroup> unknown;                             ///< vectors of the main file whose names say nothing
+  std::vector<std::string> own;    ///< plane names of the channels of kOwn, in their order
+  std::string view;                ///< view of a stereo file; else empty
+  std::vector<std::string> views;  ///< all views of the first file
 
   RoleChannels& operator[](Role role) { return of[std::size_t(role)]; }
   const RoleChannels& operator[](Role role) const { return of[std::size_t(role)]; }
