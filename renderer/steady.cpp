@@ -152,12 +152,17 @@ Result<Drawn> SteadySequence::draw(int frame, StageTimes& times, const ProgressM
     return [&, begin](double fraction) { return !monitor || monitor(begin + 0.5 * fraction); };
   };
   release_frames(frame);
-  std::erase_if(drawn_, [&](const auto& entry) { return entry.first == frame && entry.second.is_finished; });
+  // Frames that come out of order may have too few planes.
+  const std::vector<int> near = neighbours(frame, after_);
+  std::erase_if(drawn_, [&](const auto& entry) {
+    const auto& [each, drawn] = entry;
+    return drawn.is_finished && (each == frame || (contains(near, each) && !drawn.filtered));
+  });
   if (auto drawn = draw_lacking(frame, times, part(0.0)); !drawn) return drawn.error();
   const auto still = [&](double) { return !monitor || monitor(0.5); };
   if (auto done = filter(frame, still); !done) return done.error();
   std::vector<const Frame*> others;
-  for (const int other : neighbours(frame, after_)) {
+  for (const int other : near) {
     if (auto done = filter(other, still); !done) return done.error();
     others.push_back(&*drawn_.at(other).filtered);
   }
