@@ -384,6 +384,14 @@ Result<void> Reader::add_build(const std::string& root) {
     auto added = add_object(path.empty() ? root : path, id, id, to_millimetres * transform_of(item), 0);
     if (!added) return added;
   }
+  if (child(model, "build").first_child()) return {};
+  warn("the file's build is empty; all objects are drawn");
+  std::set<std::string_view> components;
+  for (const auto& [id, object] : (*first)->objects)
+    for (const xml_node& each : child(object, "components").children()) components.insert(attribute(each, "objectid"));
+  for (const auto& [id, object] : (*first)->objects)
+    if (!components.contains(id))
+      if (auto added = add_object(root, id, id, to_millimetres, 0); !added) return added;
   return {};
 }
 

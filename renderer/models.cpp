@@ -10,6 +10,8 @@
 #include <utility>
 
 #include "generators/builtin.h"
+#include "scene/front.h"
+#include "scene/readers/content.h"
 #include "scene/scene.h"
 
 namespace umbrage {
@@ -47,15 +49,22 @@ void add_reason(const Scene& a, const Scene& b, std::string& reasons) {
   const Scene &larger = radius_a > radius_b ? a : b, &smaller = radius_a > radius_b ? b : a;
   const double ratio = double(larger.radius()) / std::max(double(smaller.radius()), 1e-30);
   const double distance = glm::length(gap) / (radius_a + radius_b);
+  const auto add = [&](const std::string& reason) { reasons += (reasons.empty() ? "" : "; ") + reason; };
+  if (constexpr float kSame = 0.999f; glm::dot(a.up, b.up) < kSame)
+    add(fmt::format("'{}' has {} up, '{}' {}, and neither is turned (`up` gives the axis of both)", b.name,
+                    axis_text(b.up), a.name, axis_text(a.up)));
   std::string units = ratio > kMaxRatio ? "; their units may differ, such as mm and m" : "";
   for (const auto& [factor, of_larger, of_smaller] : kUnits)
     if (std::abs(ratio / factor - 1.0) < kSameRatio)
       units = fmt::format(": it is probably in {}, the other in {}", of_larger, of_smaller);
+  const std::string of_larger = units_of(import_format(larger.name)),
+                    of_smaller = units_of(import_format(smaller.name));
+  if (of_larger != of_smaller && !of_larger.empty() && !of_smaller.empty())
+    units = fmt::format(": it is in {}, the other in {}, and neither is scaled", of_larger, of_smaller);
   if (units.empty() && !(distance > kMaxGap)) return;
-  reasons += reasons.empty() ? "" : "; ";
-  reasons += units.empty()
-                 ? fmt::format("'{}' is {:.3g} times farther from '{}' than they are large", b.name, distance, a.name)
-                 : fmt::format("'{}' is {:.4g} times as large as '{}'{}", larger.name, ratio, smaller.name, units);
+  add(units.empty()
+          ? fmt::format("'{}' is {:.3g} times farther from '{}' than they are large", b.name, distance, a.name)
+          : fmt::format("'{}' is {:.4g} times as large as '{}'{}", larger.name, ratio, smaller.name, units));
 }
 
 /// Prepares scenes to be appended of which one moves: the other is part of its motion and of its start.

@@ -21,7 +21,7 @@ Result<Scene> load_scene(const std::string& model, const ImportSettings& setting
 void append_scene(Scene next, Scene& all);
 
 /// Loads several models into one scene, placed as in their files. Their origin is that
-/// of one of them. Models that are far apart for their sizes, or differ much in size, cause a warning.
+/// of one of them. Models that are far apart for their sizes, or differ much in size, up axis or unit, cause a warning.
 Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings = {},
                           const ProgressMonitor& monitor = {});
 

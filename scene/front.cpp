@@ -1,5 +1,7 @@
 #include "scene/front.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -128,6 +130,12 @@ std::optional<glm::dvec3> front_of_animal(const Scene& scene, const Level& level
 }
 
 }  // namespace
+
+std::string axis_text(glm::vec3 direction) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(direction[axis]) == 1.0f) return fmt::format("{}{}", direction[axis] > 0.0f ? '+' : '-', "XYZ"[axis]);
+  return fmt::format("{:.3g},{:.3g},{:.3g}", direction.x, direction.y, direction.z);
+}
 
 glm::vec3 usual_front(const glm::vec3& up) {
   constexpr float kNearlyParallel = 0.9f;

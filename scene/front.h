@@ -4,6 +4,9 @@
 
 namespace umbrage {
 
+/// Returns a direction as "+Z" if it is that of an axis, else its components.
+std::string axis_text(glm::vec3 direction);
+
 /// Returns the direction that models usually face, perpendicular to `up`: +z, or -y where z is up. Unit.
 glm::vec3 usual_front(const glm::vec3& up);
 

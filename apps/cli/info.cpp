@@ -12,10 +12,13 @@
 #include "apps/cli/options.h"
 #include "apps/cli/shade_frame.h"
 #include "apps/cli/standard_input.h"
+#include "core/lists.h"
+#include "core/lowercase.h"
 #include "gbuffers/contact_sheet.h"
 #include "gbuffers/gbuffer_file.h"
 #include "io/image_file.h"
 #include "io/layers.h"
+#include "scene/front.h"
 #include "scene/readers/content.h"
 
 namespace umbrage::cli {
@@ -32,20 +35,6 @@ int count_meshes(const Scene& scene, Has has) {
   int count = 0;
   for (const Mesh& mesh : scene.meshes) count += has(mesh);
   return count;
-}
-
-std::string axis_text(glm::vec3 up) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (std::abs(up[axis]) == 1.0f) return fmt::format("{}{}", up[axis] > 0.0f ? '+' : '-', "XYZ"[axis]);
-  return fmt::format("{:.3g},{:.3g},{:.3g}", up.x, up.y, up.z);
-}
-
-/// Returns the unit of length of formats that define one; else an empty string. The formats that Assimp reads are not
-/// converted to metres.
-std::string units_of(const std::string& format) {
-  if (format == "3MF") return "mm";
-  if (format == "GLTF" || format == "GLB") return "m";
-  return "";
 }
 
 std::string format_of_model(const std::string& model) {
@@ -122,7 +111,7 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
                           {"lights", scene.lights.size()},
                           {"radius", scene.radius()},
                           {"up", axis_text(scene.up)},
-                          {"units", units_of(format)}};
+                          {"units", units_of(lowercase(format))}};
   for (int axis = 0; axis < 3; ++axis) {
     model[fmt::format("min_{}", "xyz"[axis])] = scene.origin[axis] + scene.bounds_min[axis];
     model[fmt::format("max_{}", "xyz"[axis])] = scene.origin[axis] + scene.bounds_max[axis];
@@ -198,7 +187,8 @@ void print_text(const Scene& scene, const std::string& format) {
   print_line("bounds", fmt::format("{} to {}, radius {:.4g}", position_text(scene, scene.bounds_min),
                                    position_text(scene, scene.bounds_max), scene.radius()));
   print_line("up", axis_text(scene.up));
-  print_line("units", units_of(format).empty() ? "unknown" : units_of(format));
+  const std::string units = units_of(lowercase(format));
+  print_line("units", units.empty() ? "unknown" : units);
   if (scene.point_count() > 0) {
     const int spheres = count_meshes(scene, [](const Mesh& mesh) { return mesh.spheres; });
     print_line("points", spheres > 0 ? "drawn as spheres" : "drawn as discs");
@@ -338,6 +328,14 @@ Result<void> info(const InfoOptions& o) {
   const auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
   const auto scene = load_models(o.models, o.input_format, *import_with);
+  if (!scene && scene.error().kind == ErrorKind::kFile && o.models.size() > 1 && !o.json && !contains(o.models, "-")) {
+    for (const std::string& model : o.models) {  // each alone
+      InfoOptions one = o;
+      one.models = {model};
+      const auto status = info(one);
+      if (!status && status.error().message != scene.error().message) print_line("error", status.error().message);
+    }
+  }
   if (!scene) return scene.error();
   std::string format;
   for (const std::string& model : o.models) {

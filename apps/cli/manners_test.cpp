@@ -172,6 +172,9 @@ TEST_F(Manners, InfoDescribesAModel) {
   EXPECT_EQ(record_of(info("scene:pink"), "model")["format"], "built-in");
   EXPECT_GT(record_of(info("scene:pink"), "model")["cameras"], 0);
   bad("info nothere.obj", 3, {"nothere.obj"});
+  const Outcome two = run("info nothere.obj a.obj");
+  EXPECT_EQ(two.code, 3);
+  EXPECT_NE(two.out.find("a.obj: OBJ, 3 triangles"), std::string::npos) << two.out;
 }
 
 TEST_F(Manners, CamerasAreChosenByIndex) {

@@ -272,6 +272,26 @@ TEST_F(ThreeMf, DamagedFilesAreRefused) {
   EXPECT_NE(outcome.err.find("1 triangles have vertex indices out of range"), std::string::npos) << outcome.err;
 }
 
+TEST_F(ThreeMf, ObjectsOfAnEmptyBuildAreDrawn) {
+  const auto all =
+      info(three_mf_of("<resources><object id=\"1\">" + cube_3mf(10.0) +
+                       "</object><object id=\"2\"><components><component objectid=\"1\" "
+                       "transform=\"1 0 0 0 1 0 0 0 1 40 0 0\"/></components></object></resources><build/>"));
+  expect_box(all, {40, 0, 0, 50, 10, 10});
+  EXPECT_EQ(records(all, "warning").at(0)["text"], "the file's build is empty; all objects are drawn");
+}
+
+TEST_F(ThreeMf, MillimetresAndMetresInOneSceneAreNamed) {
+  write("mm.3mf", three_mf_of(object_3mf(cube_3mf(10.0))));
+  write("m.gltf", R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+"bufferViews":[{"buffer":0,"byteLength":36}],
+"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+  EXPECT_NE(good("info mm.3mf m.gltf").out.find("as 'm.gltf': it is in mm, the other in m, and neither is scaled"),
+            std::string::npos);
+}
+
 TEST_F(ThreeMf, FormatsThatAreNotReadAreNamed) {
   for (const auto& [format, advice] : {std::pair("step", "FreeCAD"),
                                        {"STP", "FreeCAD"},

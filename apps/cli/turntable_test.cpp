@@ -401,6 +401,11 @@ TEST_F(TurntableTest, WarnsOfUnrelatedModels) {
   warns("a.obj far.obj", "'far.obj' is 24.8 times farther from 'a.obj' than they are large");
   warns("mm.obj a.obj", "'mm.obj' is 1000 times as large as 'a.obj': it is probably in mm, the other in m");
   warns("a.obj large.obj", " times as large as 'a.obj'; their units may differ");
+  write("z.stl",
+        "solid z\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 1 1\nvertex 0 1 0\nendloop\n"
+        "endfacet\nendsolid z\n");
+  warns("z.stl a.obj", "'a.obj' has +Y up, 'z.stl' +Z, and neither is turned (--up gives the axis of both)");
+  EXPECT_EQ(run("z.stl a.obj --up=+Z" + small).err.find("+Y"), std::string::npos);
 }
 
 TEST_F(TurntableTest, AVideoIsWholeOrNotThere) {

@@ -180,6 +180,12 @@ std::string format_of_file(const fs::path& file) {
   return is_known_name || contains(formats, found) || conversion_advice(named).empty() ? found : named;
 }
 
+std::string units_of(const std::string& format) {
+  if (format == "3mf") return "mm";
+  if (format == "gltf" || format == "glb") return "m";
+  return "";
+}
+
 std::string conversion_advice(std::string_view format) {
   // Assimp 5.2 reads some of these, but wrongly: it misplaces rotated instances of AMF and blackens objects without a
   // colour, refuses textures of X3D and mixes up its colours of faces, and has no reader for VRML in Debian.

@@ -155,6 +155,37 @@ TEST_F(Content, ColumnsOfMoleculesAreThoseOfTheFile) {
   expect_same("d.xyz", "3\n\nC 0 0 0\nO 12D-1 0 0\nN 0 1.5 1.2d-06\n", "d.xyz", kAtoms);
 }
 
+TEST_F(Content, AtomsMayHaveAnIndexAndLengthsInBohr) {
+  expect_same("i.xyz", "3\nx\n1 C 0 0 0\n2 O 1.2 0 0\n3 N 0 1.5 0.0000012\n", "i.xyz", kAtoms);
+  const Scene bohr = read("b.xyz", "2\nunits=Bohr\nC 0 0 0\nO 2 0 0\n");
+  EXPECT_NEAR(bohr.meshes.at(0).positions.at(1).x - bohr.meshes[0].positions[0].x, 1.058354f, 1e-5f);
+  EXPECT_EQ(bohr.warnings.at(0), "positions are in bohr, as line 2 says; they are converted to angstrom");
+  const auto has_doubt = [&](const std::string& text) {
+    const Scene scene = read("n.xyz", text);
+    return !scene.warnings.empty() && scene.warnings[0].find("probably in nm") != std::string::npos;
+  };
+  EXPECT_TRUE(has_doubt("3\nwater\nO 0 0 0\nH 0.096 0 0\nH -0.024 0.093 0\n"));
+  EXPECT_FALSE(has_doubt("4\nwater of four points\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\nX 0.1 0.1 0\n"));
+  EXPECT_FALSE(has_doubt("1\nx\nO 0 0 0\n"));
+}
+
+TEST_F(Content, GhostsAndDummiesAreNoElements) {
+  const Scene scene = read("g.xyz", "3\nx\nBq 0 0 0\nDu 2 0 0\nB 4 0 0\n");
+  EXPECT_EQ(scene.warnings.at(0), "atoms of no known element are drawn in pink: 'Bq', 'Du'");
+  EXPECT_NE(scene.meshes.at(0).colors.at(0), scene.meshes[0].colors.at(2));
+}
+
+TEST_F(Content, AColumnThatCountsIsNamed) {
+  const auto warnings = [&](const std::string& head, int step) {
+    std::string text = head;
+    for (int i = 0; i < 12; ++i) text += fmt::format("{} 2.5 {}.5 7.5\n", i * step, i * i);
+    return fmt::format("{}", fmt::join(read("c.xyz", text).warnings, "; "));
+  };
+  EXPECT_NE(warnings("", 1).find("column 1 counts the lines and is drawn as x"), std::string::npos);
+  EXPECT_EQ(warnings("", 2).find("counts"), std::string::npos);
+  EXPECT_EQ(warnings("i x y z\n", 1), "not drawn: 'i'");
+}
+
 std::string atom_line(int serial, const char* name, double x, const std::string& end) {
   return fmt::format("ATOM  {:>5} {:<4} ALA A   1    {:8.3f}{:8.3f}{:8.3f}  1.00 10.00{}\n", serial, name, x, 0.0, 0.0,
                      end);
@@ -210,6 +241,18 @@ TEST_F(Content, ValuesOfPointsThatAreNotDrawnAreNamed) {
             "not drawn: 'quality', 'flags'");
   EXPECT_EQ(read("b.ply", vertices + "property float scalar_A\nproperty float scalar_B\n" + end + rows).warnings.at(0),
             "not drawn: 'scalar_B'");
+}
+
+TEST_F(Content, PlyMayHaveCapitalsAndIndicesFromOne) {
+  const auto ply = [](const char* xyz, const char* faces) {
+    return fmt::format(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float {}\nproperty float {}\nproperty float {}\n"
+        "element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n{}\n",
+        xyz[0], xyz[1], xyz[2], faces);
+  };
+  expect_same("c.ply", ply("XYZ", "3 0 1 2\n3 0 2 3"), "c.ply", ply("xyz", "3 0 1 2\n3 0 2 3"));
+  EXPECT_EQ(read("o.ply", ply("xyz", "3 1 2 3\n3 2 3 4")).warnings.at(1),
+            "vertex indices seem to count from 1; the format counts from 0");
 }
 
 TEST_F(Content, ColorsOfPlyMayBePackedIntoOneNumber) {

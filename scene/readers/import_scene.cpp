@@ -178,6 +178,11 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
     if (count > 0) scene.warnings.push_back(fmt::format("{} of {} {} and are left out", count, of, what));
   };
   warn(damaged.out_of_range, triangles, "triangles have vertex indices out of range");
+  if (std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) {
+        const auto [low, high] = std::minmax_element(mesh.indices.begin(), mesh.indices.end());
+        return low != mesh.indices.end() && *low == 1 && *high == mesh.positions.size();
+      }))
+    scene.warnings.push_back("vertex indices seem to count from 1; the format counts from 0");
   warn(damaged.not_finite, triangles, "triangles have coordinates that are not finite or above 1e15");
   if (settings.points.size.value > 0.0f)  // the user's size replaces that of the file
     for (Mesh& mesh : scene.meshes) mesh.radii.clear();

@@ -8,8 +8,10 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -102,7 +104,7 @@ const std::map<std::string, Element, std::less<>>& elements() {
 }
 
 /// Returns the element that the one or two letters at the beginning of a word name, such as "C", "CL" or "Fe2+"; null
-/// if there is none, or the word has more letters. "D" and "T" are hydrogen.
+/// if there is none, or the word has more letters, or names a ghost or dummy atom. "D" and "T" are hydrogen.
 const Element* find_element(std::string_view word) {
   std::string letters;
   for (const char c : word) {
@@ -113,7 +115,7 @@ const Element* find_element(std::string_view word) {
     const auto at = elements().find(symbol);
     return at == elements().end() ? nullptr : &at->second;
   };
-  if (letters.empty() || letters.size() > 2) return nullptr;
+  if (letters.empty() || letters.size() > 2 || letters == "BQ" || letters == "DU") return nullptr;
   if (const Element* whole = found(letters)) return whole;
   return found(letters.substr(0, 1));  // "OW": the oxygen of a water
 }
@@ -192,9 +194,17 @@ std::optional<AtomColumns> columns_of(std::string_view comment) {
   return symbol && position ? std::optional(AtomColumns{*symbol, *position}) : std::nullopt;
 }
 
-/// Returns the atom of a line: a word that begins with a letter, or an atomic number, and three numbers.
-std::optional<Atom> atom_of(std::string_view line, const AtomColumns& columns = {}) {
-  std::string_view symbol;
+bool begins_with_letter(std::string_view word) {
+  return !word.empty() && std::isalpha(static_cast<unsigned char>(word[0]));
+}
+
+/// Returns the atom of a line: a word that begins with a letter, or an atomic number, and three numbers. An index may
+/// be before the symbol, unless columns are named.
+std::optional<Atom> atom_of(std::string_view line, AtomColumns columns = {}) {
+  std::string_view symbol, after_index = line;
+  if (integer_of<std::uint64_t>(take_column(after_index)) && begins_with_letter(take_column(after_index)) &&
+      columns.position == 1)
+    columns = {1, 2};
   std::array<std::string_view, 3> position;
   for (std::size_t i = 0; i < std::max(columns.symbol + 1, columns.position + 3); ++i) {
     const std::string_view word = take_column(line);
@@ -203,7 +213,7 @@ std::optional<Atom> atom_of(std::string_view line, const AtomColumns& columns = 
     if (i >= columns.position && i < columns.position + 3) position[i - columns.position] = word;
   }
   Atom atom{glm::dvec3(0.0), std::string(symbol)};
-  if (!std::isalpha(static_cast<unsigned char>(symbol[0]))) {
+  if (!begins_with_letter(symbol)) {
     const auto number = integer_of<unsigned>(symbol);
     atom.symbol = number ? symbol_of(*number) : "";
     if (atom.symbol.empty()) return std::nullopt;
@@ -214,6 +224,19 @@ std::optional<Atom> atom_of(std::string_view line, const AtomColumns& columns = 
     atom.position[axis] = *value;
   }
   return atom;
+}
+
+/// Returns the largest distance from some atoms to their nearest neighbours.
+double neighbor_distance(const std::vector<glm::dvec3>& positions) {
+  constexpr std::size_t kSamples = 32;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < positions.size(); i += 1 + positions.size() / kSamples) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const glm::dvec3& p : positions)
+      if (p != positions[i]) nearest = std::min(nearest, glm::distance(p, positions[i]));
+    largest = std::max(largest, nearest);
+  }
+  return largest;
 }
 
 }  // namespace
@@ -237,6 +260,10 @@ Scene scene_of_atoms(const std::vector<Atom>& atoms, const fs::path& file) {
     mesh.colors.push_back(element->color);
     mesh.radii.push_back(element->radius);
   }
+  constexpr double kShortest = 0.4;  // a bond of H2 is 0.74
+  if (const double distance = neighbor_distance(positions); distance > 0.0 && distance < kShortest)
+    scene.warnings.push_back(fmt::format(
+        "neighbouring atoms are only {:.2g} apart: positions are probably in nm, but are read in angstrom", distance));
   set_positions(positions, mesh, scene);
   if (!mesh.positions.empty()) scene.meshes.push_back(std::move(mesh));
   if (!unknown.empty()) {
@@ -256,11 +283,11 @@ bool is_molecule(std::string_view text) {
     const std::string_view whole = take_line(text);
     std::string_view row = whole;
     const auto atom = atom_of(row);
-    const std::string_view word = take_column(row);
-    const bool is_symbol = !word.empty() && std::isalpha(static_cast<unsigned char>(word[0]));
-    // Atomic numbers in place of symbols are known by the head of the file.
-    if (atom && find_element(atom->symbol) && (is_symbol || (line == 2 && has_head))) return true;
-    if (line == 0) has_head = integer_of<std::uint64_t>(word) && take_column(row).empty();
+    const std::string_view word = take_column(row), next = take_column(row);
+    // Atomic numbers in place of symbols, and symbols of no element, are known by the head of the file.
+    const bool is_symbol = begins_with_letter(word) || begins_with_letter(next);
+    if (atom && ((line == 2 && has_head) || (is_symbol && find_element(atom->symbol)))) return true;
+    if (line == 0) has_head = integer_of<std::uint64_t>(word) && next.empty();
     if (line == 1) has_head = has_head && !number_of(word);
     if (line == 1 && has_head && lowercase(whole).find("properties=") != std::string::npos) return true;
   }
@@ -277,9 +304,12 @@ Result<Scene> read_molecule(const fs::path& path, std::string_view text, Poll* p
   const auto number = integer_of<std::uint64_t>(take_column(first));
   const bool has_count = number && take_column(first).empty();
   const std::uint64_t count = number.value_or(0);
+  bool in_bohr = false;
   if (has_count) {
     rest = ahead;
-    columns = columns_of(take_line(rest));
+    const std::string comment(take_line(rest)), words = lowercase(comment);
+    in_bohr = words.find("unit") != std::string::npos && words.find("bohr") != std::string::npos;
+    columns = columns_of(comment);
     if (!columns) return file_error("'{}' has no species and pos among its Properties, in line 2", file);
     line = 2;
   }
@@ -304,7 +334,10 @@ Result<Scene> read_molecule(const fs::path& path, std::string_view text, Poll* p
     return file_error("'{}' has no element and three numbers in line {}", file, first_bad);
   if (has_count && !is_complete())
     return file_error("'{}' is cut short: it counts {} atoms and has {}", file, count, atoms.size() + bad);
+  if (in_bohr)
+    for (Atom& atom : atoms) atom.position *= 0.529177;
   Scene scene = scene_of_atoms(atoms, path);
+  if (in_bohr) scene.warnings.push_back("positions are in bohr, as line 2 says; they are converted to angstrom");
   if (bad > 0)
     scene.warnings.push_back(
         fmt::format("{} of {} lines lack an element or three numbers and are left out, first line {}", bad,

@@ -9,6 +9,7 @@
 #include <limits>
 #include <set>
 
+#include "core/lowercase.h"
 #include "scene/readers/polygon.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/text_rules.h"
@@ -412,9 +413,15 @@ void ObjMeshes::warn_of_materials() {
         noun(missing, "the material library", "the material libraries") + (missing.size() == 1 ? " does" : " do")));
   } else if (!undefined_.empty()) {
     const bool one = undefined_.size() == 1;
-    const std::string reason = file_.libraries.empty()
-                                   ? "names no material library"
-                                   : fmt::format("its material library does not define {}", one ? "it" : "them");
+    std::string reason = file_.libraries.empty()
+                             ? "names no material library"
+                             : fmt::format("its material library does not define {}", one ? "it" : "them");
+    std::set<std::string> lower;
+    std::vector<std::string> similar;
+    for (const std::string& name : undefined_) lower.insert(lowercase(name));
+    for (const MtlMaterial& each : file_.materials)
+      if (lower.contains(lowercase(each.name))) similar.push_back(each.name);
+    if (!similar.empty()) reason += fmt::format(" (it defines {})", list_of(similar));
     scene.warnings.push_back(fmt::format("the file uses {}, but {}; {} surfaces are shown in a neutral colour",
                                          noun(undefined_, "the material", "the materials"), reason,
                                          one ? "its" : "their"));

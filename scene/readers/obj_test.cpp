@@ -220,6 +220,8 @@ TEST_F(Obj, FindsLibraries) {
   }
   expect_warning(read("mtllib one.mtl no such.mtl two b.mtl\n" + faces), {"'no such.mtl' does not exist"});
   expect_warning(read("mtllib one.mtl\n" + faces), {"'b' and 'c'", "does not define them"});
+  expect_warning(read("mtllib one.mtl\n" + std::string(kSquare) + "usemtl B\nf 1 2 3\nusemtl A\nf 1 3 4\n"),
+                 {"'B' and 'A'", "does not define them (it defines 'a')"});
   expect_warning(read(std::string(kSquare) + "usemtl x\nf 1 2 3\n"), {"'x'", "no material library"});
 }
 

@@ -295,6 +295,13 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
   } else if (is_there(columns.color)) {
     columns.color_scale = color_scale(rows, columns.color, true);
   }
+  constexpr std::size_t kManyRows = 10;
+  const auto breaks_count = [](const Row& a, const Row& b) { return b.values[0] != a.values[0] + 1.0; };
+  if (read.named.order.empty() && count > 3 && rows.size() >= kManyRows &&
+      std::adjacent_find(rows.begin(), rows.end(), breaks_count) == rows.end())
+    warnings.push_back(
+        "column 1 counts the lines and is drawn as x; if it is an index, name it in a first line such as "
+        "'i x y z'");
   warn_of_columns(read.named, columns, first, count, warnings);
   Mesh mesh;
   if (is_there(columns.normal))

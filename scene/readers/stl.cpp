@@ -131,7 +131,9 @@ Result<Scene> read_binary(std::string_view bytes, const fs::path& path, Poll* po
     if (2 * count_flat(positions) > count)
       return file_error("'{}' is damaged: its length is not that of {} triangles, and most of these are degenerate",
                         file, count);
-    scene.warnings.push_back(fmt::format("{} bytes after the last triangle are not read", trailing));
+    scene.warnings.push_back(
+        fmt::format("{} bytes after the last triangle are not read{}", trailing,
+                    rest == 0 ? fmt::format("; the header counts {} of {} triangles", count, rows) : ""));
   }
   round_to_zero(positions);
   set_positions(positions, mesh, scene);

@@ -263,6 +263,8 @@ TEST_F(UserFiles, StlIsReadAsItsCountSays) {
   EXPECT_EQ(longer.triangle_count(), 2u);
   ASSERT_EQ(longer.warnings.size(), 1u);
   EXPECT_EQ(longer.warnings[0], "4 bytes after the last triangle are not read");
+  EXPECT_EQ(read("m.stl", stl_header("", 1) + facets).warnings.at(0),
+            "50 bytes after the last triangle are not read; the header counts 1 of 2 triangles");
   EXPECT_TRUE(contains(error_of("s.stl", stl_header("", 9) + facets), "counts 9 triangles and has bytes for 2"));
   EXPECT_TRUE(contains(error_of("d.stl", stl_header("", 2) + std::string(110, '\0')), "damaged"));
   EXPECT_EQ(read("z.stl", stl_header("", 0) + facets).triangle_count(), 2u);
