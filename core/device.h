@@ -122,10 +122,10 @@ class Device {
   /// Adds planes from the host to a frame and replaces those of the same names. Their size is that of the frame, guard
   /// band included; for a strip, its rows_with_margin.
   virtual Result<void> add(Image planes, Frame& frame) = 0;
-  /// Adds planes of another frame. Those of a frame that `reduced` made from this one get the names
-  /// of reduced_plane; they are in the upper left corner, since all planes of a frame have one size, and the remainder
-  /// is 0. Those of another frame of the same size get the names of other_plane; they may share the memory of `from`,
-  /// which must then not change before the frame is gone. Errors: kUsage if a plane is missing.
+  /// Adds planes of another frame. Those of a frame that `reduced` made from this one get the names of reduced_plane;
+  /// they are in the upper left corner, since all planes of a frame have one size, and the remainder is 0. Those of a
+  /// frame of the same size get the names of other_plane; they may share the memory of `from`, which must then not
+  /// change before the frame is gone. Errors: kUsage if a plane is missing.
   virtual Result<void> add_planes_of(const Frame& from, const std::vector<std::string>& names, Frame& frame) = 0;
   /// Runs the dispatches of an effect; its outputs become planes of the frame. PixelSet::kMissing requires
   /// runs_for_missing. On a strip the effect may remain unfinished, if WholePlanes must be completed first. After

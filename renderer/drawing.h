@@ -63,7 +63,7 @@ struct Drawing {
   Device& device;
   StageTimes& times;
   DrawProgress& progress;
-  LookRun run;                      ///< of the plan, without lines
+  LookRun run;  ///< of the plan, without lines
   /// An earlier capture of sample 0 without blended surfaces, in place of a new one. Null: none.
   const Frame* captured = nullptr;
   bool has_technique = false;  ///< `captured` has the planes of the technique and its filters, too

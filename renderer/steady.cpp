@@ -1,8 +1,6 @@
 #include "renderer/steady.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <iterator>
 
 #include "core/lists.h"
 #include "effects/effects.h"
@@ -14,15 +12,33 @@ namespace {
 
 constexpr int kSpare = 2;  // frames that are kept beyond a window, since threads may ask for frames out of order
 
-constexpr const char* kJoined[] = {"depth",      "normal.x",   "normal.y",  "normal.z", "ao", "traced_confidence",
-                                   "indirect.r", "indirect.g", "indirect.b"};
+/// Returns the planes of other frames that `steady` reads, by their names there.
+std::vector<std::string> planes_of_others() {
+  const std::string start = other_plane("");
+  std::vector<std::string> names;
+  for (const Dispatch& dispatch : effect_with<SteadyParams>().dispatches)
+    for (const std::string_view input : dispatch.inputs)
+      if (input.starts_with(start) && !contains(names, input.substr(start.size())))
+        names.emplace_back(input.substr(start.size()));
+  return names;
+}
 
-/// Returns the planes of a frame that others read.
+/// Returns those of them that a frame has.
 std::vector<std::string> joined_planes(const Device& device, const Frame& frame) {
   const std::vector<std::string> available = device.plane_names(frame);
+  std::vector<std::string> names = planes_of_others();
+  std::erase_if(names, [&](const std::string& name) { return !contains(available, name); });
+  return names;
+}
+
+/// Returns the planes that only the joins of one frame read: those of other frames, and what `steady` writes besides.
+std::vector<std::string> temporary_planes() {
+  const std::vector<std::string> read = planes_of_others();
   std::vector<std::string> names;
-  for (const char* name : kJoined)
-    if (contains(available, name)) names.emplace_back(name);
+  for (const std::string& name : read) names.push_back(other_plane(name));
+  for (const Dispatch& dispatch : effect_with<SteadyParams>().dispatches)
+    for (const std::string_view output : dispatch.outputs)
+      if (!contains(read, output) && !contains(names, output)) names.emplace_back(output);
   return names;
 }
 
@@ -30,7 +46,7 @@ std::vector<std::string> joined_planes(const Device& device, const Frame& frame)
 
 double steady_memory(const Plan& plan, int reach) {
   constexpr double kOfTechnique = 12.0;  // planes that it and its filter write
-  const double light = 2.0 * double(std::size(kJoined)), full = double(plan.given.names.size()) + kOfTechnique;
+  const double light = 2.0 * double(planes_of_others().size()), full = double(plan.given.names.size()) + kOfTechnique;
   const double planes = (reach + 2.0) * full + (reach + double(kSpare)) * light;
   return planes * double(sizeof(float)) * double(plan.info.width) * double(plan.info.height);
 }
@@ -39,35 +55,35 @@ SteadySequence::SteadySequence(Device& device, const Scene& scene, SteadyFrames 
     : device_(device),
       scene_(scene),
       frames_(std::move(frames)),
-      recipe_(frames_.plan(frames_.begin).recipe),
+      recipe_(frames_.plan(0).recipe),
       technique_(filtered_technique(recipe_)),
       after_(technique_ ? std::min(frames_.reach, 1) : frames_.reach),
       before_(frames_.reach - after_) {}
 
+int SteadySequence::frames_after(int frame, int other) const {
+  const int distance = other - frame;
+  return frames_.is_closed ? (distance % frames_.count + frames_.count) % frames_.count : distance;
+}
+
 std::vector<int> SteadySequence::neighbours(int frame, int reach) const {
-  const int count = frames_.end - frames_.begin;
   std::vector<int> found;
   for (int distance = 1; distance <= reach; ++distance)
-    for (int other : {frame - distance, frame + distance}) {
-      if (frames_.is_closed) other = frames_.begin + ((other - frames_.begin) % count + count) % count;
-      const bool inside = other >= frames_.begin && other < frames_.end;
+    for (const int beside : {frame - distance, frame + distance}) {
+      const int other = frames_after(0, beside);
+      const bool inside = other >= 0 && other < frames_.count;
       if (inside && other != frame && !contains(found, other)) found.push_back(other);
     }
   return found;
 }
 
 bool SteadySequence::is_ahead(int other, int frame) const {
-  const int count = frames_.end - frames_.begin;
-  const int distance = frames_.is_closed ? ((other - frame) % count + count) % count : other - frame;
-  return distance >= 0 && distance <= frames_.reach + kSpare;
+  const int after = frames_after(frame, other);
+  return after >= 0 && after <= frames_.reach + kSpare;
 }
 
 void SteadySequence::release_frames(int frame) {
-  const int count = frames_.end - frames_.begin;
-  std::erase_if(drawn_, [&](const auto& entry) {
-    const int distance = std::abs(entry.first - frame);
-    return (frames_.is_closed ? std::min(distance, count - distance) : distance) > frames_.reach + kSpare;
-  });
+  std::erase_if(drawn_,
+                [&](const auto& entry) { return !is_ahead(entry.first, frame) && !is_ahead(frame, entry.first); });
 }
 
 Result<void> SteadySequence::finish(Neighbour& drawn) {
@@ -122,9 +138,7 @@ Result<Frame> SteadySequence::joined(const Frame& own, const std::vector<const F
     if (auto state = device_.run(steady, bytes, joined, {}, monitor); !state) return state.error();
     params.begin = 0;
   }
-  std::vector<std::string> temporary = {"steady_weight"};
-  for (const std::string& name : names) temporary.push_back(other_plane(name));
-  device_.release(joined, temporary);
+  device_.release(joined, temporary_planes());
   return joined;
 }
 

@@ -19,7 +19,7 @@ struct SteadyFrames {
   /// Returns the plan of a frame. All plans have the same recipe.
   std::function<Plan(int frame)> plan;
   int reach = 3;           ///< number of frames before and after a frame that it is joined with
-  int begin = 0, end = 1;  ///< the range of frames
+  int count = 1;           ///< number of frames, from 0
   bool is_closed = false;  ///< the last frame is followed by the first one
 };
 
@@ -43,13 +43,15 @@ class SteadySequence {
     bool is_finished = false;            ///< both have only the planes that others read
   };
 
+  /// Returns how many frames `other` comes after `frame`: in a closed sequence 0 to count - 1, else also below 0.
+  int frames_after(int frame, int other) const;
   /// Returns the frames at most `reach` frames before and after a frame, without itself, from the nearest on.
   std::vector<int> neighbours(int frame, int reach) const;
   /// Releases frames that are outside the window of `frame`.
   void release_frames(int frame);
   /// Releases the planes that no other frame reads of a frame that is drawn, or will not be.
   Result<void> finish(Neighbour& drawn);
-  /// Returns whether a frame is probably drawn after `frame`.
+  /// Returns whether `other` is `frame` or comes next: it is probably drawn after it.
   bool is_ahead(int other, int frame) const;
   /// Draws the technique of the frames of a window that are not there.
   Result<void> draw_lacking(int frame, StageTimes& times, const ProgressMonitor& monitor);

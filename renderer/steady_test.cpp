@@ -45,7 +45,7 @@ class Pan {
                   return plan;
                 },
             .reach = reach,
-            .end = 12};
+            .count = 12};
   }
 
   Image drawn(SteadySequence& sequence, int frame) {

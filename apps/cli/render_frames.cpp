@@ -48,6 +48,7 @@ Result<void> set_motion_of(const RenderOptions& o, const ImportSettings& setting
       return field_error("--animate", "", "{} reads the model again for each frame: give a file in place of -");
     if (o.models.size() > 1)
       return field_error("--animate", "", "{0} draws the animation of one model, and {2} are given", o.models.size());
+    if (o.same_view) return field_error("--animate", "", "{} excludes --same-view");
     ImportSettings any = settings;
     any.animation_index = o.request.animation_index;
     const auto scene = load_models(o.models, o.input_format, any);
@@ -153,7 +154,7 @@ SteadyFrames frames_of(const RenderOptions& o, const RenderJob& job, const Scene
     if (plan.recipe.is_steady) plan.first_noise += pose * stride;  // noise moves, so that it averages out
     return plan;
   };
-  return {.plan = plan_of, .reach = job.steady, .end = count, .is_closed = turns};
+  return {.plan = plan_of, .reach = job.steady, .count = count, .is_closed = turns};
 }
 
 /// Draws a frame of an animation, for which it reads the model again.

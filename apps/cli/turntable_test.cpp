@@ -285,6 +285,7 @@ TEST_F(TurntableTest, AnAnimationIsASequence) {
   EXPECT_GT(difference(image("all_0000.png"), image("all_0003.png")), 0.005);
   bad("still.gltf --animate -o all.png", 2, {"--animate", "'still.gltf' has none"});
   bad("rise.gltf --animate -o all.png --frames 9-120", 2, {"--frames 9-120", "0 to 60"});
+  bad("rise.gltf --animate --same-view -o '{stem}.png'", 2, {"--animate", "--same-view"});
   bad("rise.gltf --animate -o -", 2, {"--animate", "-o -"});
   bad("rise.gltf --animate --turntable 3 -o all.png", 2, {"--animate", "--turntable"});
 }

@@ -18,7 +18,7 @@ void check_rows(const StripRows& strip_rows, const Rows& rows, std::string_view 
                            name, strip_rows.valid.begin, strip_rows.valid.end));
 }
 
-/// Returns the name that a plane of a further sample's frame has in the frame of the first sample, or an empty one.
+/// Returns the name that a plane of `first`, the other frame, has there, or an empty one.
 std::string_view name_in_first(const CpuPlanes& planes, std::string_view name) {
   const std::string start = other_plane("");
   return planes.first && name.starts_with(start) ? name.substr(start.size()) : std::string_view();
