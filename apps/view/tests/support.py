@@ -106,6 +106,8 @@ def start_browser(width=960, height=600, **emulated):
 def resize(browser, width, height, scale=1, mobile=False):
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                             {"width": width, "height": height, "deviceScaleFactor": scale, "mobile": mobile})
+    # The page observes its new size when it is painted next; before, it would still rest.
+    browser.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
 
 
 def end_browser(browser):
