@@ -376,7 +376,8 @@ std::vector<PictureIndex> pictures_of(const Plan& plan) {
 }
 
 Camera begin_picture(Plan& plan, const PictureIndex& picture) {
-  const int frame = plan.capture.sample = picture.sample;
+  const int frame = plan.sample = picture.sample;
+  plan.capture.sample = plan.first_shadow_sample + frame;
   plan.capture.blended = picture.blended;
   Recipe& recipe = plan.recipe;
   if (const Parameter* noise = noise_of(recipe))

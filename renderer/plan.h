@@ -31,7 +31,9 @@ struct Plan {
   ParameterBytes output;           ///< parameters of `output` for the averaged picture
   /// Parameters of the effects whose lines are drawn once, by sample 0, over the averaged picture; else empty.
   StrokeParameters lines;
-  int first_noise = 0;  ///< noise index of sample 0: see Effect::noise
+  int sample = 0;               ///< index of the sample to which the plan is set: see begin_picture
+  int first_noise = 0;          ///< noise index of sample 0: see Effect::noise
+  int first_shadow_sample = 0;  ///< CaptureSettings::sample of sample 0
   PictureInfo info;     ///< of sample 0
   GivenPlanes given;    ///< of the picture without blended surfaces
   /// Samples beyond the first are drawn only at the pixels that the first one marks: see marked_samples.h. Then sample

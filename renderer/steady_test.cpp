@@ -35,17 +35,17 @@ class Pan {
   }
 
   SteadyFrames frames(int reach) const {
-    return {.plan =
-                [this](int frame) {
-                  Plan plan = plan_;
-                  const float step = (plan.camera.right - plan.camera.left) / float(kSide);
-                  plan.camera.view_from_world =
-                      glm::translate(glm::mat4(1.0f), {-step * float(frame), 0.0f, 0.0f}) * plan.camera.view_from_world;
-                  plan.first_noise += frame;
-                  return plan;
-                },
-            .reach = reach,
-            .count = 12};
+    SteadyFrames frames = frames_of_still_scene(*device_, scene_, [this](int frame) {
+      Plan plan = plan_;
+      const float step = (plan.camera.right - plan.camera.left) / float(kSide);
+      plan.camera.view_from_world =
+          glm::translate(glm::mat4(1.0f), {-step * float(frame), 0.0f, 0.0f}) * plan.camera.view_from_world;
+      plan.first_noise += frame;
+      return plan;
+    });
+    frames.reach = reach;
+    frames.count = 12;
+    return frames;
   }
 
   Image drawn(SteadySequence& sequence, int frame) {
@@ -55,7 +55,7 @@ class Pan {
     return *device_->download(picture->frame, kPlanes);
   }
 
-  SteadySequence sequence(int reach) { return {*device_, scene_, frames(reach)}; }
+  SteadySequence sequence(int reach) { return {*device_, frames(reach)}; }
 
  private:
   std::unique_ptr<Device> device_;

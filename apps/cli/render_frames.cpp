@@ -110,7 +110,7 @@ struct Drawing {
   const Scene& scene;
   const Plan& plan;
   Destination destination;                    ///< of the first frame
-  SteadyFrames poses = {};                    ///< of a turntable or camera path
+  std::function<Plan(int pose)> pose = {};    ///< of a turntable or camera path
   std::vector<int> pose_of_frame = {};        ///< of a camera path
   std::optional<SteadySequence> steady = {};  ///< of the poses, if frames are joined
   std::unique_ptr<Scene> moved = {};          ///< of the frame of an animation
@@ -139,22 +139,23 @@ std::vector<int> find_poses(const RenderOptions& o, const Output& output, const 
   return pose_of_frame;
 }
 
-/// Returns the plans of the poses of a turntable or camera path. `first`: the plan of pose 0.
-SteadyFrames frames_of(const RenderOptions& o, const RenderJob& job, const Scene& scene, Plan first,
-                       std::vector<Framing> path) {
+/// Returns what returns the plan of a pose of a turntable or camera path. `first`: the plan of pose 0.
+std::function<Plan(int pose)> poses_of(const RenderOptions& o, const RenderJob& job, const Scene& scene, Plan first,
+                                       std::vector<Framing> path) {
   const bool turns = job.output.motion == Motion::kTurntable;
-  const int count = turns ? job.output.count : int(path.size());
   // All frames have the exposure of the first one, whichever are drawn.
   if (!first.metered) first.metered = std::make_shared<Plan>(first);
   const int stride = o.time_s > 0.0 ? kMaxProgressiveSamples : first.recipe.frames;
-  const auto plan_of = [=, &scene, path = std::move(path)](int pose) {
+  return [=, &scene, count = job.output.count, path = std::move(path)](int pose) {
     constexpr float kWholeTurnDeg = 360.0f;
     Plan plan = turns ? turned(first, scene, kWholeTurnDeg * float(pose) / float(count))
                       : seen_from(first, scene, path[std::size_t(pose)]);
-    if (plan.recipe.is_steady) plan.first_noise += pose * stride;  // noise moves, so that it averages out
+    if (plan.recipe.is_steady) {  // noise moves, so that it averages out
+      plan.first_noise += pose * stride;
+      plan.first_shadow_sample += pose * first.recipe.frames;
+    }
     return plan;
   };
-  return {.plan = plan_of, .reach = job.steady, .count = count, .is_closed = turns};
 }
 
 /// Draws a frame of an animation, for which it reads the model again.
@@ -185,7 +186,7 @@ Result<Drawn> draw_of_frame(Drawing& all, const FrameTask& task, StageTimes& tim
     return draw(all.device, all.scene, all.plan, times, monitor, all.stops, timed.continuation());
   const int pose = all.pose_of_frame.empty() ? task.frame : all.pose_of_frame[std::size_t(task.frame)];
   if (all.steady && task.writes) return all.steady->draw(pose, times, monitor, all.stops, timed.continuation());
-  return draw(all.device, all.scene, all.poses.plan(pose), times, monitor, all.stops, timed.continuation());
+  return draw(all.device, all.scene, all.pose(pose), times, monitor, all.stops, timed.continuation());
 }
 
 /// Draws a frame and writes its files. While one thread writes, another can draw.
@@ -333,8 +334,15 @@ Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& d
   if (job.output.motion == Motion::kTurntable || job.output.path) {
     std::vector<Framing> path;
     if (job.output.path) all.pose_of_frame = find_poses(o, job.output, job.recipe.framing, path);
-    all.poses = frames_of(o, job, scene, plan, std::move(path));
-    if (job.recipe.is_steady) all.steady.emplace(device, scene, all.poses);
+    const int count = job.output.path ? int(path.size()) : job.output.count;
+    all.pose = poses_of(o, job, scene, plan, std::move(path));
+    if (job.recipe.is_steady) {
+      SteadyFrames frames = frames_of_still_scene(device, scene, all.pose);
+      frames.reach = job.steady;
+      frames.count = count;
+      frames.is_closed = !job.output.path;
+      all.steady.emplace(device, std::move(frames));
+    }
   }
   if (!job.output.is_moving()) return draw_in_order(all, nullptr, times);
   if (job.output.is_video) {

@@ -10,6 +10,7 @@
 #include "kernels/steady_ao_rays.h"
 #include "kernels/steady_light.h"
 #include "kernels/steady_light_rays.h"
+#include "kernels/steady_there.h"
 
 namespace umbrage {
 namespace {
@@ -19,6 +20,8 @@ const std::vector<Parameter> kSteadyTable = {
                "weights of the frames: equal, or by their numbers of rays"),
     bool_row("light", &SteadyParams::light, false, "join indirect light as well as occlusion"),
     bool_row("begin", &SteadyParams::begin, true, "this is the first frame that is joined"),
+    choice_row("motion", &SteadyParams::motion, kMotionOfCamera, {"camera", "planes"},
+               "what tells where a surface point is in the other frame: the cameras, or the planes there"),
     real_row("distance", &SteadyParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
              "max distance of a pixel from another's plane at which both show one surface"),
     real_row("angle", &SteadyParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
@@ -46,6 +49,8 @@ void fill_steady(const SteadyParams& params, const PictureInfo& info, SteadyCons
   c.ray_offset_y = other.camera.top;
 }
 
+bool only_camera_moves(const ParameterBytes& bytes) { return as<SteadyParams>(bytes).motion == kMotionOfCamera; }
+
 template <bool light, bool rays>
 bool joins(const ParameterBytes& bytes) {
   const auto& params = as<SteadyParams>(bytes);
@@ -58,7 +63,8 @@ Dispatch join_dispatch(std::string_view name, const Kernel& kernel) {
   std::vector<std::string_view> outputs = {"ao", "steady_weight"};
   std::vector<std::string_view> inputs = {"depth",          "normal.x",       "normal.y",
                                           "normal.z",       "other_depth",    "other_normal.x",
-                                          "other_normal.y", "other_normal.z", "other_ao"};
+                                          "other_normal.y", "other_normal.z", "other_ao",
+                                          "there.x",        "there.y",        "there.z"};
   if (light) outputs.insert(outputs.end(), {"indirect.r", "indirect.g", "indirect.b"});
   if (light) inputs.insert(inputs.end(), {"other_indirect.r", "other_indirect.g", "other_indirect.b"});
   if (rays) outputs.emplace_back("traced_confidence"), inputs.emplace_back("other_traced_confidence");
@@ -74,8 +80,13 @@ Effect effect_steady() {
       {.name = "steady",
        .summary = "join the occlusion and indirect light of neighbouring frames of a sequence, along surfaces",
        .variants = {"", "light=on", "weight=rays"},
-       .neutral = {{"other_depth", 0.0f}, {"steady_weight", 1.0f}, {"traced_confidence", 0.5f}},
-       .dispatches = {join_dispatch<false, false>("ao", steady_ao_kernel()),
+       .neutral = {{"other_depth", 0.0f}, {"steady_weight", 1.0f}, {"there", 0.0f}, {"traced_confidence", 0.5f}},
+       .dispatches = {{.name = "there",
+                       .inputs = {"depth"},
+                       .outputs = {"there.x", "there.y", "there.z"},
+                       .kernel = steady_there_kernel(),
+                       .needed = only_camera_moves},
+                      join_dispatch<false, false>("ao", steady_ao_kernel()),
                       join_dispatch<true, false>("light", steady_light_kernel()),
                       join_dispatch<false, true>("ao_rays", steady_ao_rays_kernel()),
                       join_dispatch<true, true>("light_rays", steady_light_rays_kernel())}});

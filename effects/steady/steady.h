@@ -7,12 +7,16 @@ struct SteadyParams {
   int weight;      // kSteadyEqual or kSteadyRays
   int light;       // 0 or 1: join indirect light, too
   int begin;       // 0 or 1: this is the first frame that is joined
+  int motion;      // kMotionOfCamera or kMotionOfPlanes
   float distance;  // max distance from each other's plane at which pixels fit fully, pixels
   float angle;     // max angle between normals at which pixels fit fully, degrees
 };
 
 // Values of SteadyParams::weight.
 const int kSteadyEqual = 0, kSteadyRays = 1;
+
+// Values of SteadyParams::motion.
+const int kMotionOfCamera = 0, kMotionOfPlanes = 1;
 
 struct SteadyConstants {
   int begin;       // as in SteadyParams
