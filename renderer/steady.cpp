@@ -102,24 +102,24 @@ double steady_memory(const Plan& plan, int reach) {
 }
 
 SteadyFrames frames_of_still_scene(Device& device, const Scene& scene, std::function<Plan(int frame)> plan) {
-  return {.recipe = plan(0).recipe,
-          .draw_technique =
-              [&device, &scene, plan](int frame, StageTimes& times, const ProgressMonitor& monitor) {
-                return umbrage::draw_technique(device, scene, plan(frame), times, monitor);
-              },
-          .draw_rest =
-              [&device, &scene, plan](int frame, const Frame& technique, StageTimes& times,
-                                      const ProgressMonitor& monitor, std::optional<float> stops,
-                                      const Continuation& more) {
-                return draw_after_technique(device, scene, plan(frame), technique, times, monitor, stops, more);
-              }};
+  return {
+      .recipe = plan(0).recipe,
+      .draw_technique =
+          [&device, &scene, plan](int frame, StageTimes& times, const ProgressMonitor& monitor) {
+            return umbrage::draw_technique(device, scene, plan(frame), times, monitor);
+          },
+      .draw_rest =
+          [&device, &scene, plan](int frame, const Frame& technique, StageTimes& times, const ProgressMonitor& monitor,
+                                  std::optional<float> stops, const Continuation& more) {
+            return draw_after_technique(device, scene, plan(frame), technique, times, monitor, stops, more);
+          }};
 }
 
 SteadySequence::SteadySequence(Device& device, SteadyFrames frames)
     : device_(device),
       frames_(std::move(frames)),
       technique_(filtered_technique(frames_.recipe)),
-      after_(technique_ ? std::min(frames_.reach, 1) : frames_.reach),
+      after_(technique_ && !frames_.add_there ? std::min(frames_.reach, 1) : frames_.reach),
       before_(frames_.reach - after_) {}
 
 int SteadySequence::frames_after(int frame, int other) const {
@@ -144,8 +144,11 @@ bool SteadySequence::is_ahead(int other, int frame) const {
 }
 
 void SteadySequence::release_frames(int frame) {
-  std::erase_if(drawn_,
-                [&](const auto& entry) { return !is_ahead(entry.first, frame) && !is_ahead(frame, entry.first); });
+  std::erase_if(drawn_, [&](const auto& entry) {
+    const bool is_outside = !is_ahead(entry.first, frame) && !is_ahead(frame, entry.first);
+    if (is_outside && frames_.release) frames_.release(entry.first);
+    return is_outside;
+  });
 }
 
 Result<void> SteadySequence::finish(Neighbour& drawn) {
@@ -211,6 +214,7 @@ Result<Frame> SteadySequence::joined(int frame, const Frame& own, const Others& 
 }
 
 Result<void> SteadySequence::join_shadows(int frame, Frame& branch, const ProgressMonitor& monitor) {
+  if (frames_.add_there) return {};  // shadows move otherwise than the surfaces on which they fall
   const std::vector<std::string> shadows = soft_shadows(device_, branch);
   Others sharing;
   for (const int other : neighbours(frame, frames_.reach))
@@ -250,7 +254,8 @@ Result<void> SteadySequence::filter(int frame, const ProgressMonitor& monitor) {
   if (!made) return made.error();
   if (technique_ && contains(device_.plane_names(*made), "ao")) {
     const int frames = int(others.size()) + 1;
-    const ParameterBytes params = params_of_filter(*technique_, frames, params_of(frames_.recipe.settings, technique_->name));
+    const ParameterBytes params =
+        params_of_filter(*technique_, frames, params_of(frames_.recipe.settings, technique_->name));
     if (auto state = device_.run(*technique_, params, *made, {}, monitor); !state) return state.error();
   }
   own.filtered = std::move(*made);

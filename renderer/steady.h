@@ -1,9 +1,11 @@
-// Steady sequences: the occlusion, indirect light and soft shadows of a frame are joined with those of the frames before
-// and after it, along surfaces (effects/steady). A frame depends on the frames of its window alone, so any frame can be
-// drawn by itself, with the same bytes. Shadows are joined with the frames in which the lights are in the same place.
+// Steady sequences: the occlusion, indirect light and soft shadows of a frame are joined with those of the frames
+// before and after it, along surfaces (effects/steady). A frame depends on the frames of its window alone, so any frame
+// can be drawn by itself, with the same bytes. Shadows are joined with the frames in which the lights are in the same
+// place.
 //
 // If the technique has a filter, most frames are joined before it, by their numbers of samples, and the nearest ones
-// once more after it: this has less error than joining after the filter, and less flicker than joining before it.
+// once more after it: this has less error than joining after the filter, and less flicker than joining before it. Where
+// the scene moves, all frames are joined after the filter, since single samples do not tell whether occlusion changed.
 #pragma once
 #include <functional>
 #include <map>
@@ -26,9 +28,10 @@ struct SteadyFrames {
   /// Adds the planes `there` of effects/steady to a branch of a frame: where its surface points are in frame `other`.
   /// Empty: the cameras of both tell it, since nothing else moves.
   std::function<Result<void>(int frame, int other, Frame& branch)> add_there = {};
-  int reach = 3;           ///< number of frames before and after a frame that it is joined with
-  int count = 1;           ///< number of frames, from 0
-  bool is_closed = false;  ///< the last frame is followed by the first one
+  std::function<void(int frame)> release = {};  ///< called when a drawn frame is not needed any more
+  int reach = 3;                                ///< number of frames before and after a frame that it is joined with
+  int count = 1;                                ///< number of frames, from 0
+  bool is_closed = false;                       ///< the last frame is followed by the first one
 };
 
 /// Returns the frames of a still scene. `plan` returns the plan of a frame, of which all have one recipe. Device and

@@ -26,12 +26,15 @@ const std::vector<Parameter> kSteadyTable = {
              "max distance of a pixel from another's plane at which both show one surface"),
     real_row("angle", &SteadyParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
              "max angle between normals at which pixels of two frames fit fully"),
+    real_row("change", &SteadyParams::change, {.initial = 0.03, .min = 0.001, .max = 1},
+             "max change of occlusion with which a frame counts fully, if planes tell the motion"),
 };
 
 void fill_steady(const SteadyParams& params, const PictureInfo& info, SteadyConstants& c) {
   c.begin = params.begin;
   c.distance = params.distance;
   c.turn = float(1.0 / (1.0 - std::cos(params.angle * std::numbers::pi / 180.0)));
+  c.less_above = params.motion == kMotionOfPlanes ? 1.0f / params.change : 0.0f;
   PictureInfo other = info;
   if (info.other_camera) other.camera = *info.other_camera;
   c.usable = other.camera.projection == info.camera.projection;
@@ -61,10 +64,9 @@ bool joins(const ParameterBytes& bytes) {
 template <bool light, bool rays>
 Dispatch join_dispatch(std::string_view name, const Kernel& kernel) {
   std::vector<std::string_view> outputs = {"ao", "steady_weight"};
-  std::vector<std::string_view> inputs = {"depth",          "normal.x",       "normal.y",
-                                          "normal.z",       "other_depth",    "other_normal.x",
-                                          "other_normal.y", "other_normal.z", "other_ao",
-                                          "there.x",        "there.y",        "there.z"};
+  std::vector<std::string_view> inputs = {"depth",       "normal.x",       "normal.y",       "normal.z",
+                                          "other_depth", "other_normal.x", "other_normal.y", "other_normal.z",
+                                          "other_ao",    "there.x",        "there.y",        "there.z"};
   if (light) outputs.insert(outputs.end(), {"indirect.r", "indirect.g", "indirect.b"});
   if (light) inputs.insert(inputs.end(), {"other_indirect.r", "other_indirect.g", "other_indirect.b"});
   if (rays) outputs.emplace_back("traced_confidence"), inputs.emplace_back("other_traced_confidence");

@@ -98,6 +98,9 @@ FN void steady_pixel(Int px, Int py) {
       }
     // The frame counts with the mean of its rays where it is found.
     Real scale = clamp(found * (1.0f / kMinFound) - 1.0f, Real(0.0f), Real(1.0f)) / max(found, Real(1e-6f));
+    // Where occlusion differs by more than noise does, what occludes has moved.
+    Real difference = abs(change) / max(sum, Real(1e-6f));
+    scale = scale * clamp(2.0f - difference * C.less_above, Real(0.0f), Real(1.0f));
     Real total = mad(sum, scale, weight);
     Real share = scale / max(total, Real(1e-6f));
     own = mad(change, share, own);
