@@ -47,7 +47,7 @@ std::vector<std::string> soft_shadows(const Device& device, const Frame& frame) 
 
 /// Returns whether all lights of two frames are in one place of the world, but for a small part of their size.
 bool share_lights(const PictureInfo& a, const PictureInfo& b) {
-  constexpr float kShare = 0.25f;
+  constexpr float kFraction = 0.25f;
   if (a.lights.size() != b.lights.size()) return false;
   // From one view space to the other.
   const glm::mat4 turn = b.camera.view_from_world * glm::inverse(a.camera.view_from_world);
@@ -58,7 +58,7 @@ bool share_lights(const PictureInfo& a, const PictureInfo& b) {
     const bool is_point = here.kind == LightKind::kPoint;
     const glm::vec3 moved = is_point ? glm::vec3(turn * glm::vec4(here.position, 1.0f)) - there.position
                                      : glm::mat3(turn) * here.direction - there.direction;
-    if (!(glm::length(moved) <= kShare * light_size(here))) return false;
+    if (!(glm::length(moved) <= kFraction * light_size(here))) return false;
   }
   return true;
 }
@@ -101,6 +101,11 @@ double steady_memory(const Plan& plan, int reach) {
   return planes * double(sizeof(float)) * double(plan.info.width) * double(plan.info.height);
 }
 
+bool can_be_steady(const Recipe& recipe) {
+  const Effect* technique = find_effect(recipe.occlusion);
+  return technique && !technique->noise.empty() && (technique->filters_itself || recipe.frames == 1);
+}
+
 SteadyFrames frames_of_still_scene(Device& device, const Scene& scene, std::function<Plan(int frame)> plan) {
   return {
       .recipe = plan(0).recipe,
@@ -131,6 +136,7 @@ std::vector<int> SteadySequence::neighbours(int frame, int reach) const {
   std::vector<int> found;
   for (int distance = 1; distance <= reach; ++distance)
     for (const int beside : {frame - distance, frame + distance}) {
+      if (frames_.only_past && beside > frame) continue;
       const int other = frames_after(0, beside);
       const bool inside = other >= 0 && other < frames_.count;
       if (inside && other != frame && !contains(found, other)) found.push_back(other);

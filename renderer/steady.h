@@ -32,7 +32,12 @@ struct SteadyFrames {
   int reach = 3;                                ///< number of frames before and after a frame that it is joined with
   int count = 1;                                ///< number of frames, from 0
   bool is_closed = false;                       ///< the last frame is followed by the first one
+  bool only_past = false;                       ///< frames are not joined with later ones
 };
+
+/// Returns whether frames of a recipe can be joined: its technique has noise, which is not averaged with the samples of
+/// a picture.
+bool can_be_steady(const Recipe& recipe);
 
 /// Returns the frames of a still scene. `plan` returns the plan of a frame, of which all have one recipe. Device and
 /// scene must outlive the functions.

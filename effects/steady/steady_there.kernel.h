@@ -1,5 +1,5 @@
 // Finds the surface points of a frame in another frame of the sequence, if nothing but the camera moves: writes column,
-// row and depth there. Pixel centres are at whole numbers. A depth of 0: not in front of the camera.
+// row and depth there. Pixel centres have integer coordinates. A depth of 0: not in front of the camera.
 #include "kernel/surface.kernel.h"
 IN_REAL(depth)
 OUT_VECTOR(there)
