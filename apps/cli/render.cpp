@@ -195,6 +195,9 @@ Result<StripSizes> planned_strips(const RenderOptions& o, RenderJob& job, const 
           fmt::format("--steady {} of {} x {} pixels needs about {:.2g} GB, more than --memory {}: --steady {} is used",
                       o.steady, o.request.width, o.request.height,
                       (strips->bytes + steady_memory(plan, o.steady)) * 1e-9, o.memory, job.steady));
+    if (o.verbose && job.steady > 0)
+      fmt::print(stderr, "{} frames are joined, in about {:.0f} MB\n", 2 * job.steady + 1,
+                 steady_memory(plan, job.steady) * 1e-6);
   }
   if (!strips || strips->rows == 0) return strips;
   const auto too_large = [&](std::string_view option, std::string_view value, std::string_view advice) {
