@@ -1,6 +1,7 @@
 // Plan: a recipe resolved for one scene. Camera, lights and all effect parameters are fixed, lengths are in scene
 // units, the requested passes exist, and all errors of the request are reported. Drawing depends on the plan only.
 #pragma once
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -73,6 +74,16 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg);
 
 /// Returns the plan with another view of the scene. The lights stay where they are.
 Plan seen_from(const Plan& first, const Scene& scene, const Framing& framing);
+
+/// Returns whether frames of a recipe have noise that joining them reduces (renderer/steady.h). The noise of techniques
+/// without a filter of their own is averaged with the samples.
+bool can_be_steady(const Recipe& recipe);
+
+/// Returns the plans of the frames of a sequence. `pose` moves the camera, the model or the lights of the first plan.
+/// All frames have the exposure of the first one, whichever are drawn. If the recipe is steady, the noise of each frame
+/// begins `stride` indices after that of the frame before.
+std::function<Plan(int frame)> plans_of_sequence(Plan first, int stride,
+                                                 std::function<Plan(const Plan& first, int frame)> pose);
 
 /// Returns the program of sample 0.
 Program program_of(const Plan& plan);

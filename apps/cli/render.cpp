@@ -129,10 +129,8 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   job.memory = *memory;
   auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
-  // Without noise nothing flickers. The noise of techniques without a filter of their own is averaged with the samples.
-  const Effect* technique = find_effect(recipe->occlusion);
-  recipe->is_steady = output->is_moving() && output->motion != Motion::kAnimation && o.steady > 0 && technique &&
-                      !technique->noise.empty() && (technique->filters_itself || recipe->frames == 1);
+  recipe->is_steady =
+      output->is_moving() && output->motion != Motion::kAnimation && o.steady > 0 && can_be_steady(*recipe);
   job.steady = o.steady;
   job.requested = job.recipe = std::move(*recipe);
   const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)

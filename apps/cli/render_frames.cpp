@@ -144,17 +144,16 @@ SteadyFrames frames_of(const RenderOptions& o, const RenderJob& job, const Scene
                        std::vector<Framing> path) {
   const bool turns = job.output.motion == Motion::kTurntable;
   const int count = turns ? job.output.count : int(path.size());
-  // All frames have the exposure of the first one, whichever are drawn.
-  if (!first.metered) first.metered = std::make_shared<Plan>(first);
   const int stride = o.time_s > 0.0 ? kMaxProgressiveSamples : first.recipe.frames;
-  const auto plan_of = [=, &scene, path = std::move(path)](int pose) {
+  const auto pose_of = [=, &scene, path = std::move(path)](const Plan& plan, int pose) {
     constexpr float kWholeTurnDeg = 360.0f;
-    Plan plan = turns ? turned(first, scene, kWholeTurnDeg * float(pose) / float(count))
-                      : seen_from(first, scene, path[std::size_t(pose)]);
-    if (plan.recipe.is_steady) plan.first_noise += pose * stride;  // noise moves, so that it averages out
-    return plan;
+    return turns ? turned(plan, scene, kWholeTurnDeg * float(pose) / float(count))
+                 : seen_from(plan, scene, path[std::size_t(pose)]);
   };
-  return {.plan = plan_of, .reach = job.steady, .count = count, .is_closed = turns};
+  return {.plan = plans_of_sequence(std::move(first), stride, pose_of),
+          .reach = job.steady,
+          .count = count,
+          .is_closed = turns};
 }
 
 /// Draws a frame of an animation, for which it reads the model again.
