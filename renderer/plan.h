@@ -32,9 +32,11 @@ struct Plan {
   ParameterBytes output;           ///< parameters of `output` for the averaged picture
   /// Parameters of the effects whose lines are drawn once, by sample 0, over the averaged picture; else empty.
   StrokeParameters lines;
-  int first_noise = 0;  ///< noise index of sample 0: see Effect::noise
-  PictureInfo info;     ///< of sample 0
-  GivenPlanes given;    ///< of the picture without blended surfaces
+  int sample = 0;               ///< index of the sample to which the plan is set: see begin_picture
+  int first_noise = 0;          ///< noise index of sample 0: see Effect::noise
+  int first_shadow_sample = 0;  ///< CaptureSettings::sample of sample 0
+  PictureInfo info;             ///< of sample 0
+  GivenPlanes given;            ///< of the picture without blended surfaces
   /// Samples beyond the first are drawn only at the pixels that the first one marks: see marked_samples.h. Then sample
   /// 0 is drawn first.
   bool marked = false;
@@ -75,13 +77,9 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg);
 /// Returns the plan with another view of the scene. The lights stay where they are.
 Plan seen_from(const Plan& first, const Scene& scene, const Framing& framing);
 
-/// Returns whether frames of a recipe have noise that joining them reduces (renderer/steady.h). The noise of techniques
-/// without a filter of their own is averaged with the samples.
-bool can_be_steady(const Recipe& recipe);
-
 /// Returns the plans of the frames of a sequence. `pose` moves the camera, the model or the lights of the first plan.
-/// All frames have the exposure of the first one, whichever are drawn. If the recipe is steady, the noise of each frame
-/// begins `stride` indices after that of the frame before.
+/// All frames have the exposure of the first one, whichever are drawn. If the recipe is steady, each frame has noise of
+/// its own: it begins `stride` indices after that of the frame before.
 std::function<Plan(int frame)> plans_of_sequence(Plan first, int stride,
                                                  std::function<Plan(const Plan& first, int frame)> pose);
 

@@ -129,8 +129,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   job.memory = *memory;
   auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
-  recipe->is_steady =
-      output->is_moving() && output->motion != Motion::kAnimation && o.steady > 0 && can_be_steady(*recipe);
+  recipe->is_steady = output->is_moving() && o.steady > 0 && can_be_steady(*recipe);
   job.steady = o.steady;
   job.requested = job.recipe = std::move(*recipe);
   const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)

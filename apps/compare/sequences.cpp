@@ -13,6 +13,7 @@
 #include "core/suggest.h"
 #include "reference/reference.h"
 #include "renderer/draw.h"
+#include "renderer/moving.h"
 #include "renderer/steady.h"
 #include "scene/framing.h"
 
@@ -162,18 +163,28 @@ Result<DrawnFrames> draw_frames(Device& device, const Sequence& sequence, Plan f
     return sequence.motion.pose(plan, sequence.scene, float(frame - reach));
   });
   std::optional<SteadySequence> steady;
-  if (reach > 0) steady.emplace(device, sequence.scene, SteadyFrames{plans, reach, sequence.frames + 2 * reach});
+  const bool moves = sequence.moving_object >= 0;
+  if (reach > 0) {
+    const auto moving_frame = [&](int frame) -> Result<MovingFrame> {
+      return MovingFrame{std::make_shared<const Scene>(sequence.scene_of(frame - reach)), plans(frame)};
+    };
+    SteadyFrames frames = moves ? frames_of_moving_scene(device, first.recipe, moving_frame)
+                                : frames_of_still_scene(device, sequence.scene, plans);
+    frames.reach = reach;
+    frames.count = sequence.frames + 2 * reach;
+    steady.emplace(device, std::move(frames));
+  }
   for (int k = 0; k < sequence.frames; ++k) {
     if (!progress(double(k) / sequence.frames)) return interrupted();
     StageTimes times;
     Scene moved;
-    if (sequence.moving_object >= 0) {
+    if (moves && !steady) {
       moved = sequence.scene_of(k);
       if (auto ready = device.prepare(moved); !ready) return ready.error();
     }
     const Plan plan = plans(k + reach);
     auto drawn = steady ? steady->draw(k + reach, times, {}, stops, {})
-                        : draw(device, sequence.moving_object >= 0 ? moved : sequence.scene, plan, times, {}, stops);
+                        : draw(device, moves ? moved : sequence.scene, plan, times, {}, stops);
     if (!drawn) return drawn.error();
     if (!stops) stops = drawn->stops;
     auto surfaces = device.download(drawn->frame, kSurfacePlanes);
@@ -189,7 +200,7 @@ Result<DrawnFrames> draw_frames(Device& device, const Sequence& sequence, Plan f
       if (image->find("ao")) clamp_occlusion(*image);
       result.planes[pass_of(planes[0])].push_back(std::move(*image));
     }
-    if (sequence.moving_object >= 0) device.release_scene();
+    if (moves && !steady) device.release_scene();
   }
   result.view = view_text(result.surfaces[0].gbuffer.info.camera);
   return result;
@@ -292,8 +303,7 @@ struct SequenceRun {
     const std::vector<FrameSurfaces>& surfaces = truth[0].surfaces;
     const Warps warps(surfaces);
     for (const int reach : {0, settings.reach}) {
-      // SteadyFrames has one scene: frames in which an object moves are drawn singly until it has one for each frame.
-      if (reach > 0 && (motion.object || !can_be_steady(*recipe))) continue;
+      if (reach > 0 && !can_be_steady(*recipe)) continue;
       auto drawn = draw_frames(device, sequence, *plan, reach, stops, progress(reach > 0 ? 3.0 : 2.0));
       if (!drawn) return drawn.error();
       for (auto& [pass, frames] : drawn->planes) {
