@@ -149,19 +149,13 @@ int noise_stride(const RenderOptions& o, const Recipe& recipe) {
 std::function<Plan(int pose)> poses_of(const RenderOptions& o, const RenderJob& job, const Scene& scene, Plan first,
                                        std::vector<Framing> path) {
   const bool turns = job.output.motion == Motion::kTurntable;
-  // All frames have the exposure of the first one, whichever are drawn.
-  if (!first.metered) first.metered = std::make_shared<Plan>(first);
-  return
-      [=, stride = noise_stride(o, first.recipe), &scene, count = job.output.count, path = std::move(path)](int pose) {
-        constexpr float kWholeTurnDeg = 360.0f;
-        Plan plan = turns ? turned(first, scene, kWholeTurnDeg * float(pose) / float(count))
-                          : seen_from(first, scene, path[std::size_t(pose)]);
-        if (plan.recipe.is_steady) {  // noise moves, so that it averages out
-          plan.first_noise += pose * stride;
-          plan.first_shadow_sample += pose * first.recipe.frames;
-        }
-        return plan;
-      };
+  const auto pose_of = [=, &scene, count = job.output.count, path = std::move(path)](const Plan& plan, int pose) {
+    constexpr float kWholeTurnDeg = 360.0f;
+    return turns ? turned(plan, scene, kWholeTurnDeg * float(pose) / float(count))
+                 : seen_from(plan, scene, path[std::size_t(pose)]);
+  };
+  const int stride = noise_stride(o, first.recipe);
+  return plans_of_sequence(std::move(first), stride, pose_of);
 }
 
 /// Returns a frame of an animation, for which it reads the model again. `lighting`: for models without lights.
