@@ -454,6 +454,7 @@ Result<Conventions> decide_conventions(const GBufferSettings& settings, std::spa
   d.position = position_camera(samples, kPredicted_px);
   const auto known = known_camera(settings, headers, d.position, d.out.width, d.out.height);
   if (!known) return known.error();
+  d.out.has_place = known->has_view;
   if (!settings.focal_length_px.empty()) d.warn(center_warning(known->camera, d.out.width, d.out.height));
   if (d.has(Role::kNormal))
     if (auto decided = decide_encoding(d, *known); !decided) return decided.error();
@@ -481,6 +482,7 @@ Result<Conventions> decide_conventions(const GBufferSettings& settings, std::spa
         "the positions {} are not those of a camera's picture, and {}", roles[Role::kPosition].name,
         d.out.depth.from_position ? "depth is their distance along z: `fov_deg` sets the camera" : "are not used"));
   decide_colors(d);
+  decide_motion(d);
   for (const Role role : {Role::kNormal, Role::kAlbedo, Role::kBeauty})
     if (d.has(role)) warn_of_nan(d, role);
   return d.out;

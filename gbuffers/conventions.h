@@ -8,6 +8,7 @@
 
 #include "gbuffers/depth_model.h"
 #include "gbuffers/gbuffer_file.h"
+#include "gbuffers/motion.h"
 #include "gbuffers/roles.h"
 #include "gbuffers/samples.h"
 
@@ -46,12 +47,14 @@ struct ColorConvention {
 struct Conventions {
   int width = 0, height = 0;
   Camera camera;
+  bool has_place = false;  ///< the place of the camera is known
   DepthConvention depth;
   NormalConvention normal;
   PositionConvention position;
   std::array<ColorConvention, kRoleCount> color;  ///< by role
   bool is_premultiplied = false;                  ///< the beauty is multiplied by its alpha
   std::array<bool, kRoleCount> is_unusable{};     ///< by role: most of its values are NaN
+  std::vector<MotionMeanings> motion;             ///< of each pair of channels
   std::string step_warning;                       ///< its beginning, if there are few different depths
   std::string step_cure;                          ///< what the file would need
 };

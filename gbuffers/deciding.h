@@ -45,6 +45,9 @@ struct Deciding {
 /// Tells what was decided about depth, and warns of what it lacks.
 void report_depth(Deciding& d);
 
+/// Finds the meanings that the motion vectors may have, and tells them.
+void decide_motion(Deciding& d);
+
 /// Warns if background is at the bottom of the picture rather than at the top.
 void warn_of_flip(Deciding& d);
 

@@ -348,6 +348,15 @@ bool GBufferFile::has_plane(std::string_view name) const { return contains(state
 
 Result<Image> GBufferFile::rows(const Rows& rows) const { return state_->finished(rows); }
 
+Result<Image> GBufferFile::stored_motion() const {
+  Image out(state_->info.width, state_->info.height);
+  const auto stored = state_->raw->rows({0, out.height});
+  if (!stored) return stored.error();
+  for (std::size_t c = 0; const Plane* plane = stored->find(Role::kMotion, c); ++c)
+    out.add(raw_plane(Role::kMotion, c)) = *plane;
+  return out;
+}
+
 bool GBufferFile::is_in_memory() const { return state_->raw->is_in_memory(); }
 double GBufferFile::memory() const { return state_->memory; }
 DepthMeaning GBufferFile::depth_meaning() const { return state_->conversion.conventions.depth.model.meaning; }

@@ -51,6 +51,9 @@ class GBufferFile {
   bool has_plane(std::string_view name) const;
   /// Returns these rows of all planes. Errors: kFile.
   Result<Image> rows(const Rows& rows) const;
+  /// Returns the stored values of the motion vectors, two planes for each pair of channels; none if there are none. See
+  /// motion_planes. Errors: kFile.
+  Result<Image> stored_motion() const;
   /// Returns whether the picture fits in memory as a whole.
   bool is_in_memory() const;
   /// Returns the bytes of memory that `open` was given.

@@ -86,9 +86,9 @@ Result<void> fill(const LayeredFile& header, const std::vector<Filled>& planes, 
 }  // namespace
 
 std::string raw_plane(Role role, std::size_t channel) {
-  constexpr std::string_view kNames[] = {"depth",    "normal",         "position", "albedo",    "beauty",      "alpha",
-                                         "indirect", "indirect_color", "emission", "object_id", "material_id", "mask",
-                                         "own"};
+  constexpr std::string_view kNames[] = {"depth",       "normal",   "position",       "albedo",   "beauty",
+                                         "alpha",       "indirect", "indirect_color", "emission", "object_id",
+                                         "material_id", "mask",     "motion",         "own"};
   return fmt::format("{}.{}", kNames[std::size_t(role)], channel);
 }
 

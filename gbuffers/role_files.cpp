@@ -50,6 +50,7 @@ std::vector<RoleFile> role_files(const GBufferSettings& settings) {
   add("beauty_file", settings.beauty_file, Role::kBeauty, false);
   add("position_file", settings.position_file, Role::kPosition, false);
   add("id_file", settings.id_file, Role::kObjectId, false);
+  add("motion_file", settings.motion_file, Role::kMotion, false);
   return files;
 }
 

@@ -115,6 +115,8 @@ Names names_of(Role role) {
       return kMaskNames;
     case Role::kOwn:
       return kOwnNames;
+    case Role::kMotion:  // see find_motion
+      return {};
     case Role::kDepth:
       break;
   }

@@ -15,14 +15,6 @@
 namespace umbrage {
 namespace {
 
-/// Returns the text in small letters without blanks, underscores and hyphens: "Denoising Depth" -> "denoisingdepth".
-std::string plain(std::string_view text) {
-  std::string out;
-  for (const char c : text)
-    if (c != ' ' && c != '_' && c != '-') out += lowercase(c);
-  return out;
-}
-
 /// Returns whether a group of one channel is coverage, which no picture can be made of.
 bool is_coverage(const ChannelGroup& group, const LayeredFile& header) {
   const std::string channel = plain(header.channels[std::size_t(group.channels.front())].name);
@@ -50,6 +42,8 @@ bool fits(Role role, const ChannelGroup& group, const LayeredFile& header) {
       return count == 1 || group.is_color;
     case Role::kMask:
       return count == 1 && header.format == "NPZ";
+    case Role::kMotion:  // see find_motion
+      return false;
     case Role::kOwn:
       return count == 1;
   }
@@ -304,6 +298,7 @@ void find_all(const LayeredFile& header, int file, const std::vector<ChannelGrou
   if (const ChannelGroup* group = best_group(search, Role::kIndirectColor, names_of(Role::kIndirectColor)))
     roles[Role::kIndirectColor] = taken(*group, Role::kIndirectColor);
   find_own(header, file, roles);
+  find_motion(header, groups, search.prefix, false, roles);
   for (const ChannelGroup& group : groups)
     if (group.channels.size() >= 3 && (!group.is_color || header.format == "NPZ") &&
         std::none_of(roles.of.begin(), roles.of.end(),
@@ -455,6 +450,15 @@ Result<Roles> find_roles(std::span<const RoleFile> files, std::span<const Layere
       role.name += (role.name.empty() ? "" : ", ") + headers[k].path.filename().string();
       continue;
     }
+    if (file.role == Role::kMotion) {
+      if (!file.layer.empty())
+        std::erase_if(groups, [&](const auto& g) { return !is_named(g, headers[k], file.layer); });
+      find_motion(headers[k], groups, "", true, roles);
+      if (roles[file.role].empty() || roles[file.role].file != int(k))
+        return field_error(file.field, file.path, "`{}` '{}' has no layer with two channels; its layers are {}",
+                           fmt::join(layer_list(headers[k]), ", "));
+      continue;
+    }
     const auto group = group_for(file, headers, groups);
     if (!group) return group.error();
     if (file.role == Role::kDepth || file.role == Role::kPosition)
@@ -474,6 +478,13 @@ Result<Roles> find_roles(std::span<const RoleFile> files, std::span<const Layere
   // Only Cycles leaves the albedo out of its indirect light.
   if (roles[Role::kIndirect].empty()) roles[Role::kIndirectColor] = {};
   return roles;
+}
+
+std::string plain(std::string_view text) {
+  std::string out;
+  for (const char c : text)
+    if (c != ' ' && c != '_' && c != '-') out += lowercase(c);
+  return out;
 }
 
 bool is_own_file(const LayeredFile& header) {

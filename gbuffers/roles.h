@@ -25,8 +25,9 @@ enum class Role {
   kEmission,
   kObjectId,
   kMaterialId,
-  kMask,  ///< 0 where there is no surface
-  kOwn,   ///< further planes of core/gbuffer.h, in files that Umbrage wrote
+  kMask,    ///< 0 where there is no surface
+  kMotion,  ///< motion vectors: one or two pairs of channels
+  kOwn,     ///< further planes of core/gbuffer.h, in files that Umbrage wrote
 };
 inline constexpr int kRoleCount = int(Role::kOwn) + 1;
 
@@ -69,6 +70,7 @@ struct Roles {
   bool normal_is_guess = false;  ///< no name says that these are normals: their length is 1
   std::vector<std::pair<RoleChannels, DepthHint>> other_depths;  ///< of the main file, by their names
   std::vector<ChannelGroup> unknown;                             ///< vectors of the main file whose names say nothing
+  std::vector<std::vector<std::string>> motion_words;            ///< what names say of each pair of kMotion
   std::vector<std::string> own;    ///< plane names of the channels of kOwn, in their order
   std::string view;                ///< view of a stereo file; else empty
   std::vector<std::string> views;  ///< all views of the first file
@@ -101,6 +103,14 @@ std::vector<std::string> layer_list(const LayeredFile& header);
 /// Assigns roles. `headers` are those of `files`. Errors: kUsage for a layer or view that a file does not have.
 Result<Roles> find_roles(std::span<const RoleFile> files, std::span<const LayeredFile> headers,
                          const std::string& view);
+
+/// Finds motion vectors, in a layer that begins with `prefix` if there are some, and what their name says. `is_given`:
+/// in a layer of any name.
+void find_motion(const LayeredFile& header, std::span<const ChannelGroup> groups, std::string_view prefix,
+                 bool is_given, Roles& roles);
+
+/// Returns a name in small letters without blanks, underscores and hyphens: "Denoising Depth" -> "denoisingdepth".
+std::string plain(std::string_view text);
 
 /// Returns whether Umbrage wrote the file, whose conventions are then known.
 bool is_own_file(const LayeredFile& header);

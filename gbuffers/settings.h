@@ -23,7 +23,7 @@ enum class DepthMeaning {
 struct GBufferSettings {
   // Files. Each may be "FILE" or "FILE:LAYER"; empty: none.
   std::string file{};  ///< file whose layers are recognised
-  std::string depth_file{}, normal_file{}, albedo_file{}, beauty_file{}, position_file{}, id_file{};
+  std::string depth_file{}, normal_file{}, albedo_file{}, beauty_file{}, position_file{}, id_file{}, motion_file{};
   std::string view{};  ///< view of a multi-view EXR, "left"; empty: the default view
 
   // Depth. A stored value v becomes depth_offset + depth_scale * v, after depth_range and depth_invert.
@@ -42,6 +42,9 @@ struct GBufferSettings {
   std::string normal_space = "auto";     ///< "camera" (+x right, +y up, +z towards the camera) or "world"
   std::string normal_encoding = "auto";  ///< "signed": -1 to 1; "unsigned": 0 to 1 stands for -1 to 1
   std::string position_space = "auto";   ///< "camera" or "world"
+  /// Of motion vectors: "px", "ndc" (-1 to 1 across the picture) or "uv" (0 to 1); to the "previous" or the "next"
+  /// frame; y "up" or "down"; "to" that frame or "from" it. What is not said is recognised.
+  std::vector<std::string> motion_kind{};
   /// Rows of a rotation from the space of the normals to view space: the upper left part of the view matrix if the
   /// normals are in world space. Normals need not have unit length or face the camera. Empty: recognised in files, no
   /// rotation for images in memory.
@@ -72,7 +75,7 @@ struct GBufferSettings {
   /// Returns whether files hold the G-buffer.
   bool has_files() const {
     for (const std::string* each :
-         {&file, &depth_file, &normal_file, &albedo_file, &beauty_file, &position_file, &id_file})
+         {&file, &depth_file, &normal_file, &albedo_file, &beauty_file, &position_file, &id_file, &motion_file})
       if (!each->empty()) return true;
     return false;
   }

@@ -58,6 +58,8 @@ std::vector<Option> file_options() {
       file_option("position_file", "position", "positions: FILE, or FILE:LAYER",
                   in_gbuffer<&GBufferSettings::position_file>),
       file_option("id_file", "id", "ids of objects: FILE, or FILE:LAYER", in_gbuffer<&GBufferSettings::id_file>),
+      file_option("motion_file", "motion", "motion vectors, for --steady: FILE, or FILE:LAYER",
+                  in_gbuffer<&GBufferSettings::motion_file>),
       file_option("view", "view", "view of a stereo file, such as left", in_gbuffer<&GBufferSettings::view>),
   };
 }
@@ -118,6 +120,12 @@ std::vector<Option> space_options() {
       with_choices(row("position_space", "position-space", "space of positions: camera, world or auto",
                        "auto: recognised", in_gbuffer<&GBufferSettings::position_space>),
                    {"auto", "camera", "world"}),
+      with_form(with_choices(row("motion_kind", "motion-kind",
+                                 "meaning of motion vectors, such as px,previous,up: px, ndc (-1 to 1) or uv (0 to 1); "
+                                 "previous or next frame; y up or down; to that frame or from it",
+                                 "recognised", in_gbuffer<&GBufferSettings::motion_kind>),
+                             {"px", "ndc", "uv", "previous", "next", "up", "down", "to", "from"}),
+                OptionForm::kWords),
       with_form(
           row("view_from_normal", "view-from-normal", "rotation of normals to view space, three rows of three numbers",
               "none", in_gbuffer<&GBufferSettings::view_from_normal>),

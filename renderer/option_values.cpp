@@ -119,7 +119,11 @@ class CheckValue {
 
   Result<void> operator()(std::monostate) { return {}; }
   Result<void> operator()(FieldOf<bool>) { return {}; }
-  Result<void> operator()(FieldOf<std::vector<std::string>>) { return {}; }
+  Result<void> operator()(FieldOf<std::vector<std::string>> of) {
+    for (const std::string& word : of(request_))
+      if (auto status = check_choice(o_, word); !status) return status;
+    return {};
+  }
   Result<void> operator()(FieldOf<std::vector<float>> of) {
     const std::vector<float>& values = of(request_);
     if (is_valid_list(o_.form, values)) return {};
@@ -177,7 +181,7 @@ class SetValue {
       of(request_) = split(text_);
     else
       of(request_).emplace_back(text_);
-    return {};
+    return CheckValue(o_, request_)(of);
   }
   Result<void> operator()(FieldOf<std::vector<float>> of) {
     const bool is_one = o_.form == OptionForm::kIntrinsics && text_.find(',') == std::string_view::npos;
