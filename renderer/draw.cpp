@@ -234,30 +234,34 @@ ParameterBytes params_of_filter(const Effect& technique, int frames, ParameterBy
   return params;
 }
 
+LookRun run_of_technique(Recipe& recipe, std::span<const std::string> given) {
+  const Effect* technique = filtered_technique(recipe);
+  ParameterBytes filtering;
+  if (technique) {
+    ParameterBytes& params = params_of(recipe.settings, technique->name);
+    filtering = params_of_filter(*technique, 1, params);
+    set_int(*find_parameter(*technique, technique->filter_switch), 0, params);
+  }
+  LookRun run = look_run(recipe);
+  run.wanted = {"ao", "indirect.r", "indirect.g", "indirect.b"};
+  if (!run.kept) return run;
+  run.kept->insert(run.kept->end(), given.begin(), given.end());
+  run.kept->insert(run.kept->end(), run.wanted->begin(), run.wanted->end());
+  for (const Dispatch& dispatch : technique ? technique->dispatches : std::vector<Dispatch>())
+    if (runs(dispatch, filtering)) run.kept->insert(run.kept->end(), dispatch.inputs.begin(), dispatch.inputs.end());
+  return run;
+}
+
 Result<Frame> draw_technique(Device& device, const Scene& scene, const Plan& planned, StageTimes& times,
                              const ProgressMonitor& monitor) {
   const ScopedPlanePool pool_scope(device.pool());
   Plan plan = planned;
   plan.marked = false;
   const Camera camera = begin_picture(plan, {});
-  const Effect* technique = filtered_technique(plan.recipe);
-  ParameterBytes filtering;
-  if (technique) {
-    ParameterBytes& params = params_of(plan.recipe.settings, technique->name);
-    filtering = params_of_filter(*technique, 1, params);
-    set_int(*find_parameter(*technique, technique->filter_switch), 0, params);
-  }
   DrawProgress progress(monitor, steps_of_picture(plan));
+  LookRun run = run_of_technique(plan.recipe, plan.given.names);
   const Drawing drawing{device, times, progress, look_run(plan.recipe)};
-  LookRun run = drawing.run;
   report_to(progress, times, run);
-  run.wanted = {"ao", "indirect.r", "indirect.g", "indirect.b"};
-  if (run.kept) {
-    run.kept->insert(run.kept->end(), plan.given.names.begin(), plan.given.names.end());
-    run.kept->insert(run.kept->end(), run.wanted->begin(), run.wanted->end());
-    for (const Dispatch& dispatch : technique ? technique->dispatches : std::vector<Dispatch>())
-      if (runs(dispatch, filtering)) run.kept->insert(run.kept->end(), dispatch.inputs.begin(), dispatch.inputs.end());
-  }
   run.run_external_effect = reference_of(device, scene, plan, run.monitor);
   auto frame = drawing.capture(plan, camera);
   if (!frame) return frame;

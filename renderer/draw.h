@@ -4,6 +4,7 @@
 #pragma once
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/device.h"
@@ -59,6 +60,10 @@ Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan
 const Effect* filtered_technique(const Recipe& recipe);
 /// Returns `params` set to filter the samples that a frame has from this number of frames.
 ParameterBytes params_of_filter(const Effect& technique, int frames, ParameterBytes params);
+/// Returns a run of the occlusion technique, its filters and what they need; but of a filtered_technique only its
+/// samples, for which it changes the recipe's settings. `given`: planes of the frame, which are kept. The run refers to
+/// the recipe.
+LookRun run_of_technique(Recipe& recipe, std::span<const std::string> given);
 /// Captures the first picture of a plan and runs the occlusion technique, its filters and what they need; but of a
 /// filtered_technique only its samples. Errors: kInterrupted; the errors of the device.
 Result<Frame> draw_technique(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,

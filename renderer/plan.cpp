@@ -388,6 +388,13 @@ std::vector<PictureIndex> pictures_of(const Plan& plan) {
   return pictures;
 }
 
+void advance_noise(Recipe& recipe, int samples) {
+  if (const Parameter* noise = noise_of(recipe)) {
+    ParameterBytes& params = params_of(recipe.settings, recipe.occlusion);
+    set_int(*noise, int((int_value(*noise, params) + long(samples)) % (long(noise->max) + 1)), params);
+  }
+}
+
 Camera begin_picture(Plan& plan, const PictureIndex& picture) {
   const int frame = plan.sample = picture.sample;
   plan.capture.sample = plan.first_shadow_sample + frame;

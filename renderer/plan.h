@@ -99,6 +99,9 @@ struct PictureIndex {
 /// descending order, of each the one with blended surfaces first. The last one is that of sample 0 without them.
 std::vector<PictureIndex> pictures_of(const Plan& plan);
 
+/// Gives the technique of a recipe the noise of a later sample.
+void advance_noise(Recipe& recipe, int samples);
+
 /// Sets the plan to a picture, which is none of those drawn at marked pixels only, and returns its camera.
 Camera begin_picture(Plan& plan, const PictureIndex& picture);
 

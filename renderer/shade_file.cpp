@@ -205,23 +205,60 @@ Result<Recipe> complete_shading(const Recipe& requested, PictureInfo& info) {
   return recipe;
 }
 
+namespace {
+
+/// Uploads a G-buffer with normals, as the first step of a drawing.
+Result<Frame> begin_frame(Device& device, GBuffer gbuffer, const Recipe& recipe, StageTimes& times,
+                          DrawProgress& progress) {
+  auto frame = upload_with_normals(device, std::move(gbuffer), recipe.settings);
+  if (!frame) return frame;
+  progress.step_done();
+  times.done("upload");
+  return frame;
+}
+
+/// Runs a look on a frame, as the last step of a drawing.
+Result<Drawn> run_on_frame(Device& device, Frame frame, LookRun run, StageTimes& times, DrawProgress& progress) {
+  report_to(progress, times, run);
+  const auto state = run_look(run, device, frame);
+  if (!state) return state.error();
+  if (auto ended = progress.end(); !ended) return ended.error();
+  return Drawn{std::move(frame), state->stops};
+}
+
+}  // namespace
+
 Result<Drawn> shade_planes(Device& device, GBuffer gbuffer, const Recipe& requested, StageTimes& times,
                            const ProgressMonitor& monitor, std::optional<float> stops) {
   gbuffer.info = info_of(gbuffer);
   const auto recipe = complete_shading(requested, gbuffer.info);
   if (!recipe) return recipe.error();
   DrawProgress progress(monitor, 1 + recipe->look->effects.size());
-  auto frame = upload_with_normals(device, std::move(gbuffer), recipe->settings);
+  auto frame = begin_frame(device, std::move(gbuffer), *recipe, times, progress);
   if (!frame) return frame.error();
-  progress.step_done();
-  times.done("upload");
   LookRun run = look_run(*recipe);
-  report_to(progress, times, run);
   run.stops = stops;
-  const auto state = run_look(run, device, *frame);
-  if (!state) return state.error();
-  if (auto ended = progress.end(); !ended) return ended.error();
-  return Drawn{std::move(*frame), state->stops};
+  return run_on_frame(device, std::move(*frame), run, times, progress);
+}
+
+Result<Frame> shade_technique(Device& device, GBuffer gbuffer, const Recipe& completed, StageTimes& times,
+                              const ProgressMonitor& monitor) {
+  Recipe recipe = completed;
+  DrawProgress progress(monitor, 1 + recipe.look->effects.size());
+  auto frame = begin_frame(device, std::move(gbuffer), recipe, times, progress);
+  if (!frame) return frame;
+  const std::vector<std::string> given = device.plane_names(*frame);
+  auto drawn = run_on_frame(device, std::move(*frame), run_of_technique(recipe, given), times, progress);
+  return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
+}
+
+Result<Drawn> shade_after_technique(Device& device, const Frame& technique, const Recipe& completed, StageTimes& times,
+                                    const ProgressMonitor& monitor, std::optional<float> stops) {
+  DrawProgress progress(monitor, completed.look->effects.size());
+  LookRun run = look_run(completed);
+  run.has_technique = true;
+  run.stops = stops;
+  return run_on_frame(device, device.branch(technique), run, times, progress);
 }
 
 }  // namespace umbrage

@@ -73,4 +73,11 @@ Result<Recipe> complete_shading(const Recipe& recipe, PictureInfo& info);
 Result<Drawn> shade_planes(Device& device, GBuffer gbuffer, const Recipe& recipe, StageTimes& times,
                            const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
 
+/// Shades a G-buffer up to its occlusion technique, as draw_technique, and the rest, as draw_after_technique.
+/// `completed`: from complete_shading, which has added the lights to the G-buffer. Errors: as shade_planes.
+Result<Frame> shade_technique(Device& device, GBuffer gbuffer, const Recipe& completed, StageTimes& times,
+                              const ProgressMonitor& monitor = {});
+Result<Drawn> shade_after_technique(Device& device, const Frame& technique, const Recipe& completed, StageTimes& times,
+                                    const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
+
 }  // namespace umbrage

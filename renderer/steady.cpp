@@ -133,6 +133,7 @@ int SteadySequence::frames_after(int frame, int other) const {
 }
 
 std::vector<int> SteadySequence::neighbours(int frame, int reach) const {
+  if (frames_.neighbours) return frames_.neighbours(frame, reach);
   std::vector<int> found;
   for (int distance = 1; distance <= reach; ++distance)
     for (const int beside : {frame - distance, frame + distance}) {

@@ -28,6 +28,9 @@ struct SteadyFrames {
   /// Adds the planes `there` of effects/steady to a branch of a frame: where its surface points are in frame `other`.
   /// Empty: the cameras of both tell it, since nothing else moves.
   std::function<Result<void>(int frame, int other, Frame& branch)> add_there = {};
+  /// Returns the frames at most `reach` frames before and after a frame, without itself, from the nearest on. Empty:
+  /// those beside it by their numbers.
+  std::function<std::vector<int>(int frame, int reach)> neighbours = {};
   std::function<void(int frame)> release = {};  ///< called when a drawn frame is not needed any more
   int reach = 3;                                ///< number of frames before and after a frame that it is joined with
   int count = 1;                                ///< number of frames, from 0

@@ -36,12 +36,6 @@ std::optional<fs::file_time_type> time_of(const fs::path& file) {
   return error ? std::nullopt : std::optional(time);
 }
 
-bool has_inputs(const SequenceFiles& files, int frame) {
-  std::error_code ignored;
-  return std::all_of(files.inputs.begin(), files.inputs.end(),
-                     [&](const FrameNames& names) { return fs::exists(names.of(frame), ignored); });
-}
-
 /// Returns the hash of the options that change a picture, as 16 hexadecimal digits: FNV-1a of their names and values,
 /// and of the version.
 std::string request_of(const CLI::App& command) {
@@ -124,9 +118,13 @@ bool is_up_to_date(const SequenceFiles& files, int frame) {
     const auto time = time_of(file);
     return !time || *time <= oldest;
   };
+  const auto are_older = [&](const FrameNames& names) {
+    for (int read = std::max(frame - files.reach, 0); read <= frame + files.reach; ++read)
+      if (!is_older(names.of(read))) return false;
+    return true;
+  };
   return std::all_of(files.shared.begin(), files.shared.end(), is_older) &&
-         std::all_of(files.inputs.begin(), files.inputs.end(),
-                     [&](const FrameNames& names) { return is_older(names.of(frame)); });
+         std::all_of(files.inputs.begin(), files.inputs.end(), are_older);
 }
 
 /// Checks that the outputs of a frame are none of its inputs. Errors: kUsage.
@@ -252,6 +250,12 @@ Result<int> make_first(const Sequence& sequence, Progress& progress) {
 }
 
 }  // namespace
+
+bool has_inputs(const SequenceFiles& files, int frame) {
+  std::error_code ignored;
+  return std::all_of(files.inputs.begin(), files.inputs.end(),
+                     [&](const FrameNames& names) { return fs::exists(names.of(frame), ignored); });
+}
 
 Result<void> check_input_remains(const fs::path& input, const std::string& output) {
   std::error_code ignored;

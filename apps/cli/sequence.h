@@ -34,7 +34,11 @@ void add_sequence_options(CLI::App& command, SequenceOptions& options, bool has_
 struct SequenceFiles {
   std::vector<FrameNames> inputs, outputs;    ///< files that each frame reads and writes
   std::vector<std::filesystem::path> shared;  ///< files that all frames read
+  int reach = 0;                              ///< number of frames before and after a frame whose files it reads, too
 };
+
+/// Returns whether all inputs of a frame are there.
+bool has_inputs(const SequenceFiles& files, int frame);
 
 /// The frames to make, ascending.
 struct Sequence {

@@ -26,7 +26,8 @@ class SequenceTest : public test::ProgramTest {
   }
   /// Shades a range of shot.####.exr to NAME.####.png.
   Outcome shade(const std::string& frames, const std::string& name, const std::string& more = "") {
-    return run(fmt::format("shade shot.####.exr -o {}.####.png --device cpu --frames {} {}", name, frames, more));
+    return run(
+        fmt::format("shade shot.####.exr -o {}.####.png --device cpu --steady 0 --frames {} {}", name, frames, more));
   }
   std::string picture(const std::string& name, int frame) const {
     return text_of(folder_ / fmt::format("{}.{:04}.png", name, frame));
@@ -54,7 +55,7 @@ TEST_F(SequenceTest, FramesTakeTheRadiusOfTheFirst) {
   EXPECT_EQ(shade("2", "two").code, 0);
   EXPECT_EQ(picture("two", 2), text_of(folder_ / "alone2.png"));
   // Without --frames: all files of the name.
-  good("shade shot.%04d.exr -o all.%04d.png --device cpu");
+  good("shade shot.%04d.exr -o all.%04d.png --device cpu --steady 0");
   for (int frame = 0; frame < 5; ++frame) EXPECT_EQ(picture("all", frame), picture("out", frame));
 }
 
@@ -155,7 +156,7 @@ TEST_F(SequenceTest, ShardsEqualOneProcess) {
   }
   const std::string task =
       "SLURM_ARRAY_TASK_ID=1 SLURM_ARRAY_TASK_MIN=1 SLURM_ARRAY_TASK_MAX=2 SLURM_ARRAY_TASK_COUNT=2";
-  good("shade shot.####.exr -o s.####.png --device cpu --frames 1-4 --shard slurm", task);
+  good("shade shot.####.exr -o s.####.png --device cpu --steady 0 --frames 1-4 --shard slurm", task);
   EXPECT_TRUE(fs::exists(folder_ / "s.0001.png") && fs::exists(folder_ / "s.0002.png"));
   EXPECT_FALSE(fs::exists(folder_ / "s.0003.png") || fs::exists(folder_ / "s.0004.png"));
 }

@@ -15,6 +15,7 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/shade_frame.h"
 #include "apps/cli/standard_input.h"
+#include "gbuffers/conventions.h"
 #include "gbuffers/roles.h"
 #include "renderer/recipe.h"
 
@@ -41,13 +42,14 @@ class FactPrinter {
   explicit FactPrinter(bool verbose) : verbose_(verbose) {}
   void print(const GBufferFile& file, const std::function<void()>& wipe_progress) {
     const std::lock_guard lock(mutex_);
-    if (verbose_)
-      for (const std::string& line : file.facts().lines)
-        if (is_new(line)) {
-          wipe_progress();
-          fmt::print(stderr, "{}\n", with_option_names(line));
-        }
+    for (const std::string& line : file.facts().lines) tell(line, wipe_progress);
     for (const std::string& sentence : file.facts().warnings) warn(sentence, wipe_progress);
+  }
+  /// Prints a fact with --verbose.
+  void tell(const std::string& line, const std::function<void()>& wipe_progress) {
+    if (!verbose_ || !is_new(line)) return;
+    wipe_progress();
+    fmt::print(stderr, "{}\n", with_option_names(line));
   }
   void warn(const std::string& sentence, const std::function<void()>& wipe_progress) {
     if (!is_new(sentence)) return;
@@ -82,6 +84,8 @@ Result<void> shade_one(ShadeOptions& o, double memory) {
   if (!o.sequence.frames.empty() || !o.sequence.shard.empty())
     return field_error(!o.sequence.frames.empty() ? "--frames" : "--shard", "",
                        "{} is for a sequence: give an input such as shot.####.exr");
+  if (o.sequence.command->count("--steady") > 0 && o.steady > 0)
+    return field_error("--steady", o.steady, "{} {} is for a sequence: give an input such as shot.####.exr");
   if (has_frame_number(o.output))
     return field_error("--output", o.output,
                        "{} '{}' has a frame number, and the input has none: give an input such as shot.####.exr, or an "
@@ -131,10 +135,61 @@ struct ShadeSequence {
   std::vector<StageTimes> times;   ///< of each worker
   std::optional<SequenceStart> start;
   FactPrinter printer;
-  std::unique_ptr<Video> video = nullptr;  ///< if not null, receives the frames in place of files
+  std::unique_ptr<Video> video = nullptr;           ///< if not null, receives the frames in place of files
+  std::vector<int> numbers = {};                    ///< of all frames that have files, also beside those to make
+  std::unique_ptr<SteadyShading> steady = nullptr;  ///< if not null, joins frames
 };
 
+/// Decides by the first frame whether frames are joined, and begins with it. Returns what it takes. Errors: kFile;
+/// kUsage.
+Result<std::optional<SequenceStart>> begin_joining(ShadeSequence& all, const FrameTask& task) {
+  all.steady.reset();
+  std::optional<SequenceStart> none;
+  int reach = all.o.steady;
+  if (reach == 0) return none;
+  const auto open = [&all](int number, const Conventions* first) {
+    return GBufferFile::open(settings_of_frame(all.o.request.gbuffer, number), all.memory, scratch_folder(all.o.output),
+                             first);
+  };
+  const auto file = open(task.frame, nullptr);
+  if (!file) return file.error();
+  const auto recipe = make_file_recipe(all.o.request, *file);
+  if (!recipe) return recipe.error();
+  if (!can_be_steady(*recipe)) return none;
+  if (file->conventions().motion.empty() && !file->conventions().has_place) {
+    const std::string why =
+        "frames are not joined: the files have neither motion vectors nor the place of the camera, by which surfaces "
+        "are found in the frames beside";
+    if (all.o.sequence.command->count("--steady") > 0) all.printer.warn(why, task.wipe_progress);
+    all.printer.tell(why, task.wipe_progress);
+    return none;
+  }
+  const auto strips = plan_file_strips(*all.devices[0], *file, *recipe, all.memory);
+  const auto bytes = shading_bytes(*all.devices[0], *file, *recipe);
+  if (!strips || !bytes) return strips ? bytes.error() : strips.error();
+  while (reach > 0 && (strips->rows > 0 || *bytes + window_memory(*file, reach) > all.memory)) --reach;
+  if (reach < all.o.steady)
+    all.printer.warn(
+        fmt::format("--steady {} of {} x {} pixels needs about {:.2g} GB, more than --memory {}: --steady {} is used",
+                    all.o.steady, file->info().width, file->info().height,
+                    (*bytes + window_memory(*file, all.o.steady)) * 1e-9, all.o.memory, reach),
+        task.wipe_progress);
+  if (reach == 0) return none;
+  all.printer.print(*file, task.wipe_progress);
+  ShadedFrames frames{.numbers = all.numbers, .open = open, .warn = {}, .reach = reach};
+  frames.warn = [&all, wipe = task.wipe_progress](const std::string& sentence) { all.printer.warn(sentence, wipe); };
+  all.steady = std::make_unique<SteadyShading>(*all.devices[0], std::move(frames));
+  auto start = all.steady->begin(task.frame, *file);
+  return start ? Result<std::optional<SequenceStart>>(std::move(*start)) : start.error();
+}
+
 Result<void> shade_task(ShadeSequence& all, const FrameTask& task) {
+  std::optional<SequenceStart> begun = all.start;
+  if (!begun) {
+    auto joining = begin_joining(all, task);
+    if (!joining) return joining.error();
+    begun = std::move(*joining);
+  }
   const std::size_t own = std::size_t(task.worker) % all.devices.size();
   ShadeFrame frame{.gbuffer = settings_of_frame(all.o.request.gbuffer, task.frame),
                    .output = all.video     ? all.o.output
@@ -142,7 +197,9 @@ Result<void> shade_task(ShadeSequence& all, const FrameTask& task) {
                                            : "",
                    .video = all.video.get(),
                    .memory = all.memory / all.workers,
-                   .start = all.start,
+                   .start = begun,
+                   .steady = all.steady.get(),
+                   .number = task.frame,
                    .monitor = task.monitor};
   std::unique_lock lock(all.device_mutexes[own], std::defer_lock);
   const ScopedPlanePool kept(all.devices[own]->pool());
@@ -155,7 +212,7 @@ Result<void> shade_task(ShadeSequence& all, const FrameTask& task) {
       if (bytes) all.frame_bytes = *bytes;
       all.in_memory = file.is_in_memory();
     }
-    lock.lock();
+    if (!all.steady) lock.lock();
   };
   const auto shaded = shade_frame(all.o, frame, *all.devices[own], all.times[std::size_t(task.worker)]);
   if (!shaded) return shaded.error();
@@ -165,7 +222,13 @@ Result<void> shade_task(ShadeSequence& all, const FrameTask& task) {
 
 /// Returns the number of frames that are shaded at once, with a device for each of them on the CPU.
 Result<int> start_workers(ShadeSequence& all) {
-  if (all.video) return 1;  // frames are added in order
+  constexpr int kJoining = 3;  // one shades with all threads while the others read and write
+  if (all.video) return 1;     // frames are added in order
+  if (all.steady) {
+    all.workers = kJoining;
+    all.times.resize(kJoining);
+    return kJoining;
+  }
   const int threads = all.devices[0]->threads();
   const double fitting = all.in_memory && all.frame_bytes > 0.0 ? all.memory / all.frame_bytes : 1.0;
   all.workers = int(std::clamp(fitting, 1.0, double(threads)));
@@ -186,6 +249,7 @@ Result<void> shade_sequence(ShadeOptions& o, double memory) {
   auto files = input_files(o.request.gbuffer);
   if (!files) return files.error();
   const bool video = is_video(o.output);
+  files->reach = o.steady;
   if (video && (!o.sequence.shard.empty() || o.sequence.overwrite))
     return field_error(o.sequence.overwrite ? "--overwrite" : "--shard", "", "{} is for numbered pictures");
   if (video)
@@ -210,6 +274,8 @@ Result<void> shade_sequence(ShadeOptions& o, double memory) {
                     .start = {},
                     .printer = FactPrinter(o.verbose)};
   all.devices.push_back(std::move(*device));
+  all.numbers = files->inputs.front().existing();
+  std::erase_if(all.numbers, [&](int number) { return !has_inputs(*files, number); });
   if (video) {
     auto begun = Video::begin(o.output, video_settings(o, 0, 0));
     if (!begun) return begun.error();
@@ -269,6 +335,11 @@ void add_shade(CLI::App& app, std::function<Result<void>()>& run) {
   command
       ->add_flag("--merge", options->merge,
                  "write a copy of the input .exr with the results, or those of --passes, as more layers: umbrage.ao")
+      ->group(output);
+  add_number(*command, "--steady", options->steady, {0, 8, NumberKind::kInteger},
+             "frames before and after each frame of a sequence whose occlusion and indirect light it shares, along "
+             "motion vectors, or by the cameras of a still scene, so that their noise does not flicker; 0: none",
+             "3")
       ->group(output);
   add_sequence_options(*command, options->sequence, true);
   add_frame_rate(*command, options->frame_rate);

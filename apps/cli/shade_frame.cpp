@@ -184,14 +184,6 @@ Result<void> write_as_picture(const Writing& writing, const ShadeRows& shade, in
   return write_rows(writing.destination, shape, settings, shade);
 }
 
-/// Returns the folder for temporary files of a picture that exceeds the memory: that of the output, which has space.
-std::string scratch_folder(const std::string& output) {
-  std::error_code ignored;
-  if (output.empty() || output == kStandardOutput) return fs::temp_directory_path(ignored).string();
-  const fs::path folder = fs::path(output).parent_path();
-  return folder.empty() ? "." : folder.string();
-}
-
 /// Returns whether a file name stands for several files, by frame.
 bool is_pattern(const std::string& name) {
   std::error_code ignored;
@@ -202,6 +194,13 @@ bool is_pattern(const std::string& name) {
 Result<FrameNames> names_of_pattern(const std::string& name) { return frame_names(path_of(name), "the input"); }
 
 }  // namespace
+
+std::string scratch_folder(const std::string& output) {
+  std::error_code ignored;
+  if (output.empty() || output == kStandardOutput) return fs::temp_directory_path(ignored).string();
+  const fs::path folder = fs::path(output).parent_path();
+  return folder.empty() ? "." : folder.string();
+}
 
 bool is_sequence(const GBufferSettings& settings) {
   return std::any_of(kFileFields.begin(), kFileFields.end(),
@@ -314,7 +313,11 @@ Result<SequenceStart> shade_frame(const ShadeOptions& given, const ShadeFrame& f
     return guarded(
         [&] { return fmt::format("{} x {} pixels; try a smaller --memory", o.request.width, o.request.height); },
         [&]() -> Result<void> {
-          auto shaded = shade_file(device, *file, recipe, writing.planes, take_rows, frame.start, times, frame.monitor);
+          auto shaded =
+              frame.steady
+                  ? frame.steady->shade(frame.number, *file, recipe, writing.planes, take_rows,
+                                        frame.start ? frame.start->stops : std::nullopt, times, frame.monitor)
+                  : shade_file(device, *file, recipe, writing.planes, take_rows, frame.start, times, frame.monitor);
           if (!shaded) return shaded.error();
           used = *shaded;
           used.conventions = std::make_shared<Conventions>(file->conventions());

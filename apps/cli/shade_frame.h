@@ -11,6 +11,7 @@
 #include "apps/cli/video.h"
 #include "core/device.h"
 #include "renderer/shade_file.h"
+#include "renderer/steady_shading.h"
 
 namespace umbrage::cli {
 
@@ -26,9 +27,14 @@ struct ShadeFrame {
   Video* video = nullptr;              ///< if not null, receives the picture
   double memory = 0.0;                 ///< bytes
   std::optional<SequenceStart> start;  ///< of the first frame
+  SteadyShading* steady = nullptr;     ///< if not null, joins the frame with those around it
+  int number = 0;                      ///< of the frame
   ProgressMonitor monitor = {};
   std::function<void(const GBufferFile&, const Recipe&)> opened = {};  ///< called before the picture is shaded
 };
+
+/// Returns the folder for temporary files of a picture that exceeds the memory: that of the output, which has space.
+std::string scratch_folder(const std::string& output);
 
 /// Checks what does not depend on the content of the files, and sets what follows from the format of the output.
 /// Errors: kUsage; kFile if the output cannot be written.
@@ -41,7 +47,7 @@ Result<SequenceStart> shade_frame(const ShadeOptions& o, const ShadeFrame& frame
 inline constexpr std::array kFileFields = {&GBufferSettings::file,        &GBufferSettings::depth_file,
                                            &GBufferSettings::normal_file, &GBufferSettings::albedo_file,
                                            &GBufferSettings::beauty_file, &GBufferSettings::position_file,
-                                           &GBufferSettings::id_file};
+                                           &GBufferSettings::id_file,     &GBufferSettings::motion_file};
 
 /// Returns the files of a sequence that frames read, by their numbers or all of them; `outputs` is empty. Errors:
 /// kUsage.
