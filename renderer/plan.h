@@ -31,9 +31,10 @@ struct Plan {
   ParameterBytes output;           ///< parameters of `output` for the averaged picture
   /// Parameters of the effects whose lines are drawn once, by sample 0, over the averaged picture; else empty.
   StrokeParameters lines;
-  int first_noise = 0;  ///< noise index of sample 0: see Effect::noise
-  PictureInfo info;     ///< of sample 0
-  GivenPlanes given;    ///< of the picture without blended surfaces
+  std::shared_ptr<const LinesBetween> lines_between;  ///< see PictureInfo::lines_between
+  int first_noise = 0;                                ///< noise index of sample 0: see Effect::noise
+  PictureInfo info;                                   ///< of sample 0
+  GivenPlanes given;                                  ///< of the picture without blended surfaces
   /// Samples beyond the first are drawn only at the pixels that the first one marks: see marked_samples.h. Then sample
   /// 0 is drawn first.
   bool marked = false;

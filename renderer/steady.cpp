@@ -184,7 +184,10 @@ Result<Drawn> SteadySequence::draw(int frame, StageTimes& times, const ProgressM
   auto start = joined(*own.filtered, others, false, still);
   if (!start) return start.error();
   times.done(effect_with<SteadyParams>().name);
-  auto drawn = draw_after_technique(device_, scene_, frames_.plan(frame), *start, times, part(0.5), stops, more);
+  Plan plan = frames_.plan(frame);
+  if (frames_.complete)
+    if (auto done = frames_.complete(frame, plan, times, still); !done) return done.error();
+  auto drawn = draw_after_technique(device_, scene_, plan, *start, times, part(0.5), stops, more);
   for (auto& [each, other] : drawn_)
     if (each == frame || !is_ahead(each, frame))
       if (auto done = finish(other); !done) return done.error();

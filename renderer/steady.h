@@ -18,6 +18,8 @@ namespace umbrage {
 struct SteadyFrames {
   /// Returns the plan of a frame. All plans have the same recipe.
   std::function<Plan(int frame)> plan;
+  /// Adds to the plan of a frame what is needed only to draw the frame itself; null: nothing.
+  std::function<Result<void>(int frame, Plan& plan, StageTimes& times, const ProgressMonitor& monitor)> complete = {};
   int reach = 3;           ///< number of frames before and after a frame that it is joined with
   int count = 1;           ///< number of frames, from 0
   bool is_closed = false;  ///< the last frame is followed by the first one

@@ -16,8 +16,10 @@
 #include "apps/cli/standard_input.h"
 #include "core/lists.h"
 #include "io/image_file.h"
+#include "renderer/key_lines.h"
 #include "renderer/passes.h"
 #include "renderer/steady.h"
+#include "renderer/written_passes.h"
 #include "scene/scene.h"
 
 namespace umbrage::cli {
@@ -112,6 +114,7 @@ struct Drawing {
   Destination destination;                    ///< of the first frame
   SteadyFrames poses = {};                    ///< of a turntable or camera path
   std::vector<int> pose_of_frame = {};        ///< of a camera path
+  std::optional<KeyLines> key_lines = {};     ///< of the poses, if frames are steady
   std::optional<SteadySequence> steady = {};  ///< of the poses, if frames are joined
   std::unique_ptr<Scene> moved = {};          ///< of the frame of an animation
   std::optional<float> stops = {};            ///< exposure of the first frame, used for all
@@ -185,7 +188,10 @@ Result<Drawn> draw_of_frame(Drawing& all, const FrameTask& task, StageTimes& tim
     return draw(all.device, all.scene, all.plan, times, monitor, all.stops, timed.continuation());
   const int pose = all.pose_of_frame.empty() ? task.frame : all.pose_of_frame[std::size_t(task.frame)];
   if (all.steady && task.writes) return all.steady->draw(pose, times, monitor, all.stops, timed.continuation());
-  return draw(all.device, all.scene, all.poses.plan(pose), times, monitor, all.stops, timed.continuation());
+  Plan plan = all.poses.plan(pose);
+  if (all.poses.complete && task.writes)
+    if (auto done = all.poses.complete(pose, plan, times, {}); !done) return done.error();
+  return draw(all.device, all.scene, plan, times, monitor, all.stops, timed.continuation());
 }
 
 /// Draws a frame and writes its files. While one thread writes, another can draw.
@@ -290,7 +296,7 @@ void add_frame_options(CLI::App& command, RenderOptions& options) {
       ->excludes(path);
   add_number(command, "--steady", options.steady, {0, 8, NumberKind::kInteger},
              "frames before and after each frame of a turntable or camera path whose occlusion and indirect light it "
-             "shares, so that their noise does not flicker; 0: none",
+             "shares, so that their noise does not flicker; 0: none, and each frame has lines of its own",
              "3")
       ->group(output);
   add_sequence_options(command, options.sequence, true);
@@ -334,6 +340,12 @@ Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& d
     std::vector<Framing> path;
     if (job.output.path) all.pose_of_frame = find_poses(o, job.output, job.recipe.framing, path);
     all.poses = frames_of(o, job, scene, plan, std::move(path));
+    if (o.steady > 0) {
+      KeyLines& lines = all.key_lines.emplace(device, all.poses.plan, all.poses.count, all.poses.is_closed);
+      all.poses.complete = [&lines](int frame, Plan& of_frame, StageTimes& used, const ProgressMonitor& monitor) {
+        return lines.complete(frame, of_frame, used, monitor);
+      };
+    }
     if (job.recipe.is_steady) all.steady.emplace(device, scene, all.poses);
   }
   if (!job.output.is_moving()) return draw_in_order(all, nullptr, times);
