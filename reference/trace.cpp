@@ -252,6 +252,12 @@ glm::vec3 irradiance(glm::vec3 normal, const LightSettings& settings, const Samp
 
 }  // namespace
 
+Result<void> trace_surfaces(const TracedScene& traced, const PictureInfo& info, const TraceControl& control,
+                            const std::function<void(int x, int y, const Surface& surface)>& take) {
+  return for_each_surface(traced, info, control,
+                          [&](int x, int y, const Surface& surface, const CameraRays&) { take(x, y, surface); });
+}
+
 Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info, const OcclusionSettings& settings,
                               const TraceControl& control) {
   check_less(0, settings.samples, "samples of the reference");

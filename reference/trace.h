@@ -57,6 +57,11 @@ struct TraceControl {
   float min_opacity = kOpaque;  ///< pixels show the first surface with at least this opacity
 };
 
+/// Calls take(x, y, surface) for the surface on the ray through the centre of each pixel inside the guard band that has
+/// one, from several threads. Errors: kInterrupted.
+Result<void> trace_surfaces(const TracedScene& scene, const PictureInfo& info, const TraceControl& control,
+                            const std::function<void(int x, int y, const Surface& surface)>& take);
+
 /// Traces visibility: the cosine-weighted fraction of the hemisphere without an occluder within the radius. With a
 /// falloff, an occluder counts only partly: the nearest of each ray among those that count. Planes, of the picture's
 /// whole size:

@@ -63,14 +63,14 @@ std::vector<std::string> Average::planes_of(const Plan& plan) {
   std::vector<std::string> names = averaged_planes(plan);
   if (!plan.capture.blended) return names;
   names = with_blend_planes(std::move(names));
-  const auto lines = plan.capture.sample == 0 ? line_planes(plan) : std::vector<std::string>();
+  const auto lines = plan.sample == 0 ? line_planes(plan) : std::vector<std::string>();
   names.insert(names.end(), lines.begin(), lines.end());
   return names;
 }
 
 void Average::add(const Plan& plan, Image rows, int first) {
   if (rows.height == 0) return;  // a strip of the guard band
-  const bool whole = !plan.marked || plan.capture.sample == 0;
+  const bool whole = !plan.marked || plan.sample == 0;
   if (plan.capture.blended)
     blended_.take_front(rows, line_planes(plan), first);
   else if (plan.has_blended)

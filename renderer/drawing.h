@@ -69,7 +69,7 @@ struct Drawing {
   bool has_technique = false;  ///< `captured` has the planes of the technique and its filters, too
 
   /// Returns whether the picture to which a plan is set is `captured`.
-  bool is_captured(const Plan& plan) const { return captured && plan.capture.sample == 0 && !plan.capture.blended; }
+  bool is_captured(const Plan& plan) const { return captured && plan.sample == 0 && !plan.capture.blended; }
 
   /// Captures the picture to which a plan is set, and adds the environment image if that is shown as background. Marks
   /// the pixels of the first sample if others are drawn at them only: see marked_samples.h.

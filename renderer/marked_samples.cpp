@@ -86,7 +86,7 @@ ParameterBytes resample_params(const Plan& plan, const PictureInfo& info, int pa
   run.wanted.reset();
   params.hard_shadows = ((1 << shadows_read(plan.recipe, steps_of(run))) - 1) & ~params.soft_shadows;
   if (!planes_read(compile(run, 1)).contains("albedo.r")) params.albedo = kNoEdge;
-  const glm::vec2 offset = sample_offset(plan.capture.sample, plan.recipe.frames);
+  const glm::vec2 offset = sample_offset(plan.sample, plan.recipe.frames);
   params.right = offset.x;
   params.below = offset.y;
   return bytes;

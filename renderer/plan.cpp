@@ -353,6 +353,19 @@ Plan seen_from(const Plan& first, const Scene& scene, const Framing& framing) {
   return plan;
 }
 
+std::function<Plan(int frame)> plans_of_sequence(Plan first, int stride,
+                                                 std::function<Plan(const Plan& first, int frame)> pose) {
+  if (!first.metered) first.metered = std::make_shared<Plan>(first);
+  return [first = std::move(first), stride, pose = std::move(pose)](int frame) {
+    Plan plan = pose(first, frame);
+    if (plan.recipe.is_steady) {  // noise moves, so that it averages out
+      plan.first_noise += frame * stride;
+      plan.first_shadow_sample += frame * first.recipe.frames;
+    }
+    return plan;
+  };
+}
+
 Program program_of(const Plan& plan) {
   LookRun run = look_run(plan.recipe);
   run.lines = plan.lines;
@@ -376,7 +389,8 @@ std::vector<PictureIndex> pictures_of(const Plan& plan) {
 }
 
 Camera begin_picture(Plan& plan, const PictureIndex& picture) {
-  const int frame = plan.capture.sample = picture.sample;
+  const int frame = plan.sample = picture.sample;
+  plan.capture.sample = plan.first_shadow_sample + frame;
   plan.capture.blended = picture.blended;
   Recipe& recipe = plan.recipe;
   if (const Parameter* noise = noise_of(recipe))

@@ -1,6 +1,7 @@
 // Plan: a recipe resolved for one scene. Camera, lights and all effect parameters are fixed, lengths are in scene
 // units, the requested passes exist, and all errors of the request are reported. Drawing depends on the plan only.
 #pragma once
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -32,9 +33,11 @@ struct Plan {
   /// Parameters of the effects whose lines are drawn once, by sample 0, over the averaged picture; else empty.
   StrokeParameters lines;
   std::shared_ptr<const LinesBetween> lines_between;  ///< see PictureInfo::lines_between
-  int first_noise = 0;                                ///< noise index of sample 0: see Effect::noise
-  PictureInfo info;                                   ///< of sample 0
-  GivenPlanes given;                                  ///< of the picture without blended surfaces
+  int sample = 0;               ///< index of the sample to which the plan is set: see begin_picture
+  int first_noise = 0;          ///< noise index of sample 0: see Effect::noise
+  int first_shadow_sample = 0;  ///< CaptureSettings::sample of sample 0
+  PictureInfo info;             ///< of sample 0
+  GivenPlanes given;            ///< of the picture without blended surfaces
   /// Samples beyond the first are drawn only at the pixels that the first one marks: see marked_samples.h. Then sample
   /// 0 is drawn first.
   bool marked = false;
@@ -74,6 +77,12 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg);
 
 /// Returns the plan with another view of the scene. The lights stay where they are.
 Plan seen_from(const Plan& first, const Scene& scene, const Framing& framing);
+
+/// Returns the plans of the frames of a sequence. `pose` moves the camera, the model or the lights of the first plan.
+/// All frames have the exposure of the first one, whichever are drawn. If the recipe is steady, each frame has noise of
+/// its own: it begins `stride` indices after that of the frame before.
+std::function<Plan(int frame)> plans_of_sequence(Plan first, int stride,
+                                                 std::function<Plan(const Plan& first, int frame)> pose);
 
 /// Returns the program of sample 0.
 Program program_of(const Plan& plan);

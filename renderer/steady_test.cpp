@@ -16,17 +16,20 @@ namespace umbrage {
 namespace {
 
 constexpr int kSide = 192;
+const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
 const std::vector<std::string> kPlanes = {"color.r", "color.g", "color.b", "depth"};
 
 /// A scene before a parallel camera that moves by one pixel to the right from frame to frame.
 class Pan {
  public:
-  Pan(const std::string& model, const std::string& look) : device_(make_cpu_device({})), scene_(*load_scene(model)) {
+  Pan(const std::string& model, const std::string& look, std::vector<std::string> planes = kPlanes)
+      : device_(make_cpu_device({})), scene_(*load_scene(model)), planes_(std::move(planes)) {
     Request request;
     request.look = look;
     request.width = request.height = kSide;
     request.camera.orthographic = true;
     request.anti_aliasing = 1;
+    request.passes = {"shadow", "depth"};
     auto recipe = *make_recipe(request);
     recipe.is_steady = true;
     complete_scene(scene_, recipe);
@@ -35,31 +38,33 @@ class Pan {
   }
 
   SteadyFrames frames(int reach) const {
-    return {.plan =
-                [this](int frame) {
-                  Plan plan = plan_;
-                  const float step = (plan.camera.right - plan.camera.left) / float(kSide);
-                  plan.camera.view_from_world =
-                      glm::translate(glm::mat4(1.0f), {-step * float(frame), 0.0f, 0.0f}) * plan.camera.view_from_world;
-                  plan.first_noise += frame;
-                  return plan;
-                },
-            .reach = reach,
-            .count = 12};
+    SteadyFrames frames = frames_of_still_scene(*device_, scene_, [this](int frame) {
+      Plan plan = plan_;
+      const float step = (plan.camera.right - plan.camera.left) / float(kSide);
+      plan.camera.view_from_world =
+          glm::translate(glm::mat4(1.0f), {-step * float(frame), 0.0f, 0.0f}) * plan.camera.view_from_world;
+      plan.first_noise += frame;
+      plan.first_shadow_sample += frame;
+      return plan;
+    });
+    frames.reach = reach;
+    frames.count = 12;
+    return frames;
   }
 
   Image drawn(SteadySequence& sequence, int frame) {
     StageTimes times;
     const auto picture = sequence.draw(frame, times, {}, {}, {});
     EXPECT_TRUE(picture) << picture.error().message;
-    return *device_->download(picture->frame, kPlanes);
+    return *device_->download(picture->frame, planes_);
   }
 
-  SteadySequence sequence(int reach) { return {*device_, scene_, frames(reach)}; }
+  SteadySequence sequence(int reach) { return {*device_, frames(reach)}; }
 
  private:
   std::unique_ptr<Device> device_;
   Scene scene_;
+  const std::vector<std::string> planes_;
   Plan plan_;
 };
 
@@ -74,14 +79,14 @@ bool is_open(const Plane& depth, int x, int y) {
 
 /// Returns the 99th percentile of the differences of two frames of a pan, of 255, in open parts of the surfaces that
 /// both show.
-double change_of(const Image& first, const Image& second) {
+double change_of(const Image& first, const Image& second, const std::vector<std::string>& planes = kColor) {
   std::vector<double> changes;
   for (int y = 0; y < kSide; ++y)
     for (int x = 1; x < kSide; ++x) {
       const float depth = first.plane("depth").at(x, y), there = second.plane("depth").at(x - 1, y);
       if (!std::isfinite(depth) || std::fabs(depth - there) > 1e-3f * depth) continue;
       if (!is_open(first.plane("depth"), x, y)) continue;
-      for (const char* name : {"color.r", "color.g", "color.b"})
+      for (const std::string& name : planes)
         changes.push_back(255.0 * std::fabs(first.plane(name).at(x, y) - second.plane(name).at(x - 1, y)));
     }
   EXPECT_GT(changes.size(), 1000u);
@@ -102,6 +107,16 @@ TEST(SteadySequence, AFrameAloneEqualsThatOfTheRun) {
       for (int y = 0; y < kSide; ++y)
         ASSERT_EQ(std::memcmp(again.planes[k].row(y), fifth.planes[k].row(y), kSide * sizeof(float)), 0) << kPlanes[k];
   }
+}
+
+TEST(SteadySequence, SoftShadowsOfStillLightsFlickerLess) {
+  Pan pan("scene:solids?detail=2000", "studio", {"shadow", "depth"});
+  SteadySequence single = pan.sequence(0), steady = pan.sequence(3);
+  const std::vector<std::string> shadow = {"shadow"};
+  const double before = change_of(pan.drawn(single, 5), pan.drawn(single, 6), shadow);
+  const double now = change_of(pan.drawn(steady, 5), pan.drawn(steady, 6), shadow);
+  EXPECT_LE(now, 0.4 * before) << now << ", before " << before;
+  EXPECT_GT(before, 1.0);
 }
 
 TEST(SteadySequence, APanFlickersLess) {

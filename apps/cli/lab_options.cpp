@@ -20,14 +20,27 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run, decltype(Lab
   const auto [command, options] = add_model_command(
       app, run, "compare", "measure each technique against ray-traced ground truth", kCompare, action);
   const auto comparison = "Comparison";
-  command->add_option("--ao", options->techniques, "techniques, such as unsharp,reference, or all [all]")
+  command->get_option("MODEL")->required(false);  // --sequence has scenes of its own
+  command
+      ->add_option("--ao", options->techniques,
+                   "techniques, such as unsharp,reference, or all [all; with --sequence that of each look]")
       ->type_name("NAMES")
       ->group(comparison);
+  CLI::Option* sequence =
+      command
+          ->add_flag("--sequence", options->sequence,
+                     "measure the flicker of short sequences, single and steady, beside that of their ground truth")
+          ->group(comparison);
+  for (const auto& [name, value, help] :
+       {std::tuple("--motion", &options->motions, "what moves: turntable, walk, pan, object, light [all]"),
+        {"--look", &options->looks, "looks of the sequences [ao,studio]"}})
+    command->add_option(name, *value, help)->type_name("NAMES")->group(comparison)->needs(sequence);
   command
       ->add_flag("--light", options->light,
                  "also compare the indirect light of techniques with one bounce of the reference, and the light of a "
                  "clear sky, a studio and a sunset")
-      ->group(comparison);
+      ->group(comparison)
+      ->excludes(sequence);
   add_one(*command, *options, "occlusion_scale", comparison,
           "resolution at which techniques run: full, half or quarter", "full");
   command
@@ -35,15 +48,17 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run, decltype(Lab
                    "effect that filters the result of each technique that does not filter itself; none: no filter "
                    "[denoise]")
       ->type_name("NAME")
-      ->group(comparison);
+      ->group(comparison)
+      ->excludes(sequence);
   command
       ->add_flag("--budget", options->budget,
                  "divide the error of each screen-space technique: that of what the view holds, and its own")
-      ->group(comparison);
+      ->group(comparison)
+      ->excludes(sequence);
   command->add_option("-o,--output", options->output, "folder for index.html and scores.json [report]")
       ->type_name("DIR")
       ->group(comparison);
-  add_sizes(*command, options->sizes, "960,540 and 480,270")->group(comparison);
+  add_sizes(*command, options->sizes, "960,540 and 480,270; with --sequence 384,384")->group(comparison);
   add_measure_options(*command, *options, comparison);
   command->add_option("--baseline", options->baseline, "earlier scores.json; fail if a score is worse than in it")
       ->type_name("FILE")

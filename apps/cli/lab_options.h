@@ -19,9 +19,9 @@ struct MeasureOptions : CommonOptions {
 };
 
 struct CompareOptions : MeasureOptions {
-  std::string techniques = "all", output = "report", baseline, filter;
-  bool light = false, budget = false;
-  std::vector<std::string> sizes = {"960,540", "480,270"};
+  std::string techniques, output = "report", baseline, filter, looks, motions;
+  bool light = false, budget = false, sequence = false;
+  std::vector<std::string> sizes;  // empty: the default
 };
 
 struct TuneOptions : MeasureOptions {

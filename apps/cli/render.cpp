@@ -129,10 +129,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   job.memory = *memory;
   auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
-  // Without noise nothing flickers. The noise of techniques without a filter of their own is averaged with the samples.
-  const Effect* technique = find_effect(recipe->occlusion);
-  recipe->is_steady = output->is_moving() && output->motion != Motion::kAnimation && o.steady > 0 && technique &&
-                      !technique->noise.empty() && (technique->filters_itself || recipe->frames == 1);
+  recipe->is_steady = output->is_moving() && o.steady > 0 && can_be_steady(*recipe);
   job.steady = o.steady;
   job.requested = job.recipe = std::move(*recipe);
   const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)
@@ -198,6 +195,9 @@ Result<StripSizes> planned_strips(const RenderOptions& o, RenderJob& job, const 
           fmt::format("--steady {} of {} x {} pixels needs about {:.2g} GB, more than --memory {}: --steady {} is used",
                       o.steady, o.request.width, o.request.height,
                       (strips->bytes + steady_memory(plan, o.steady)) * 1e-9, o.memory, job.steady));
+    if (o.verbose && job.steady > 0)
+      fmt::print(stderr, "{} frames are joined, in about {:.0f} MB\n", 2 * job.steady + 1,
+                 steady_memory(plan, job.steady) * 1e-6);
   }
   if (!strips || strips->rows == 0) return strips;
   const auto too_large = [&](std::string_view option, std::string_view value, std::string_view advice) {

@@ -17,6 +17,7 @@
 #include "core/lists.h"
 #include "io/image_file.h"
 #include "renderer/key_lines.h"
+#include "renderer/moving.h"
 #include "renderer/passes.h"
 #include "renderer/steady.h"
 #include "renderer/written_passes.h"
@@ -112,11 +113,11 @@ struct Drawing {
   const Scene& scene;
   const Plan& plan;
   Destination destination;                    ///< of the first frame
-  SteadyFrames poses = {};                    ///< of a turntable or camera path
+  std::function<Plan(int pose)> pose = {};    ///< of a turntable or camera path
   std::vector<int> pose_of_frame = {};        ///< of a camera path
   std::optional<KeyLines> key_lines = {};     ///< of the poses, if frames are steady
-  std::optional<SteadySequence> steady = {};  ///< of the poses, if frames are joined
-  std::unique_ptr<Scene> moved = {};          ///< of the frame of an animation
+  std::optional<SteadySequence> steady = {};  ///< of the poses or the animation, if frames are joined
+  std::shared_ptr<const Scene> moved = {};    ///< of the frame of an animation, if they are not
   std::optional<float> stops = {};            ///< exposure of the first frame, used for all
   bool is_first = true;
   std::mutex mutex = {};  ///< guards the device and the members above it
@@ -142,56 +143,73 @@ std::vector<int> find_poses(const RenderOptions& o, const Output& output, const 
   return pose_of_frame;
 }
 
-/// Returns the plans of the poses of a turntable or camera path. `first`: the plan of pose 0.
-SteadyFrames frames_of(const RenderOptions& o, const RenderJob& job, const Scene& scene, Plan first,
-                       std::vector<Framing> path) {
-  const bool turns = job.output.motion == Motion::kTurntable;
-  const int count = turns ? job.output.count : int(path.size());
-  // All frames have the exposure of the first one, whichever are drawn.
-  if (!first.metered) first.metered = std::make_shared<Plan>(first);
-  const int stride = o.time_s > 0.0 ? kMaxProgressiveSamples : first.recipe.frames;
-  const auto plan_of = [=, &scene, path = std::move(path)](int pose) {
-    constexpr float kWholeTurnDeg = 360.0f;
-    Plan plan = turns ? turned(first, scene, kWholeTurnDeg * float(pose) / float(count))
-                      : seen_from(first, scene, path[std::size_t(pose)]);
-    if (plan.recipe.is_steady) plan.first_noise += pose * stride;  // noise moves, so that it averages out
-    return plan;
-  };
-  return {.plan = plan_of, .reach = job.steady, .count = count, .is_closed = turns};
+/// Returns by how much the noise index grows from frame to frame, so that no frame repeats the noise of another.
+int noise_stride(const RenderOptions& o, const Recipe& recipe) {
+  return o.time_s > 0.0 ? kMaxProgressiveSamples : recipe.frames;
 }
 
-/// Draws a frame of an animation, for which it reads the model again.
-Result<Drawn> draw_animated(Drawing& all, int frame, StageTimes& times, TimedSamples& timed) {
-  ImportSettings settings = all.job.model_import;
-  settings.animation_time = std::min(float(time_of(all.o, frame)), all.job.output.duration_s);
-  auto scene = load_models(all.o.models, all.o.input_format, settings);
-  if (!scene) return scene.error();
-  if (all.job.recipe.camera_index)
-    if (auto used = use_camera(*all.job.recipe.camera_index, *scene); !used) return used.error();
-  Recipe recipe = all.job.recipe;
-  if (scene->lights.empty()) recipe.capture.lighting = all.plan.capture.lighting;
-  complete_scene(*scene, recipe);
-  all.device.release_scene();
-  all.moved = std::make_unique<Scene>(std::move(*scene));
-  if (auto ready = all.device.prepare(*all.moved, timed.monitor()); !ready) return ready.error();
-  const auto plan = make_plan(recipe, *all.moved, all.device.threads());
+/// Returns what returns the plan of a pose of a turntable or camera path. `first`: the plan of pose 0.
+std::function<Plan(int pose)> poses_of(const RenderOptions& o, const RenderJob& job, const Scene& scene, Plan first,
+                                       std::vector<Framing> path) {
+  const bool turns = job.output.motion == Motion::kTurntable;
+  const auto pose_of = [=, &scene, count = job.output.count, path = std::move(path)](const Plan& plan, int pose) {
+    constexpr float kWholeTurnDeg = 360.0f;
+    return turns ? turned(plan, scene, kWholeTurnDeg * float(pose) / float(count))
+                 : seen_from(plan, scene, path[std::size_t(pose)]);
+  };
+  const int stride = noise_stride(o, first.recipe);
+  return plans_of_sequence(std::move(first), stride, pose_of);
+}
+
+/// Returns a frame of an animation, for which it reads the model again. `lighting`: for models without lights.
+Result<MovingFrame> animated_frame(const RenderOptions& o, const RenderJob& job, const Lighting& lighting, int threads,
+                                   int frame) {
+  ImportSettings settings = job.model_import;
+  settings.animation_time = std::min(float(time_of(o, frame)), job.output.duration_s);
+  auto loaded = load_models(o.models, o.input_format, settings);
+  if (!loaded) return loaded.error();
+  if (job.recipe.camera_index)
+    if (auto used = use_camera(*job.recipe.camera_index, *loaded); !used) return used.error();
+  Recipe recipe = job.recipe;
+  if (loaded->lights.empty()) recipe.capture.lighting = lighting;
+  complete_scene(*loaded, recipe);
+  const auto scene = std::make_shared<const Scene>(std::move(*loaded));
+  auto plan = make_plan(recipe, *scene, threads);
   if (!plan) return plan.error();
+  if (recipe.is_steady) plan->first_noise += frame * noise_stride(o, recipe);
+  return MovingFrame{scene, std::move(*plan)};
+}
+
+/// Draws a frame of an animation by itself.
+Result<Drawn> draw_animated(Drawing& all, int frame, StageTimes& times, TimedSamples& timed) {
+  auto moved = animated_frame(all.o, all.job, *all.plan.capture.lighting, all.device.threads(), frame);
+  if (!moved) return moved.error();
+  all.device.release_scene();
+  all.moved = std::move(moved->scene);
+  if (auto ready = all.device.prepare(*all.moved, timed.monitor()); !ready) return ready.error();
   times.done("prepare");
-  return draw(all.device, *all.moved, *plan, times, timed.monitor(), all.stops, timed.continuation());
+  return draw(all.device, *all.moved, moved->plan, times, timed.monitor(), all.stops, timed.continuation());
+}
+
+/// Returns the plan of a pose, with lines that stay on surfaces.
+Result<Plan> plan_with_lines(Drawing& all, int pose, StageTimes& times) {
+  Plan plan = all.pose(pose);
+  if (all.key_lines)
+    if (auto done = all.key_lines->complete(pose, plan, times, {}); !done) return done.error();
+  return plan;
 }
 
 /// Draws a frame.
 Result<Drawn> draw_of_frame(Drawing& all, const FrameTask& task, StageTimes& times, TimedSamples& timed) {
   const ProgressMonitor monitor = timed.monitor();
-  if (all.job.output.motion == Motion::kAnimation) return draw_animated(all, task.frame, times, timed);
   if (!all.job.output.is_moving())
     return draw(all.device, all.scene, all.plan, times, monitor, all.stops, timed.continuation());
   const int pose = all.pose_of_frame.empty() ? task.frame : all.pose_of_frame[std::size_t(task.frame)];
   if (all.steady && task.writes) return all.steady->draw(pose, times, monitor, all.stops, timed.continuation());
-  Plan plan = all.poses.plan(pose);
-  if (all.poses.complete && task.writes)
-    if (auto done = all.poses.complete(pose, plan, times, {}); !done) return done.error();
-  return draw(all.device, all.scene, plan, times, monitor, all.stops, timed.continuation());
+  if (all.job.output.motion == Motion::kAnimation) return draw_animated(all, task.frame, times, timed);
+  const auto plan = task.writes ? plan_with_lines(all, pose, times) : Result<Plan>(all.pose(pose));
+  if (!plan) return plan.error();
+  return draw(all.device, all.scene, *plan, times, monitor, all.stops, timed.continuation());
 }
 
 /// Draws a frame and writes its files. While one thread writes, another can draw.
@@ -339,14 +357,31 @@ Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& d
   if (job.output.motion == Motion::kTurntable || job.output.path) {
     std::vector<Framing> path;
     if (job.output.path) all.pose_of_frame = find_poses(o, job.output, job.recipe.framing, path);
-    all.poses = frames_of(o, job, scene, plan, std::move(path));
-    if (o.steady > 0) {
-      KeyLines& lines = all.key_lines.emplace(device, all.poses.plan, all.poses.count, all.poses.is_closed);
-      all.poses.complete = [&lines](int frame, Plan& of_frame, StageTimes& used, const ProgressMonitor& monitor) {
-        return lines.complete(frame, of_frame, used, monitor);
+    const int count = job.output.path ? int(path.size()) : job.output.count;
+    all.pose = poses_of(o, job, scene, plan, std::move(path));
+    if (o.steady > 0) all.key_lines.emplace(device, all.pose, count, !job.output.path);
+    if (job.recipe.is_steady) {
+      SteadyFrames frames = frames_of_still_scene(device, scene, all.pose);
+      frames.draw_rest = [&all](int pose, const Frame& technique, StageTimes& used, const ProgressMonitor& monitor,
+                                std::optional<float> stops, const Continuation& more) -> Result<Drawn> {
+        const auto of_frame = plan_with_lines(all, pose, used);
+        if (!of_frame) return of_frame.error();
+        return draw_after_technique(all.device, all.scene, *of_frame, technique, used, monitor, stops, more);
       };
+      frames.reach = job.steady;
+      frames.count = count;
+      frames.is_closed = !job.output.path;
+      all.steady.emplace(device, std::move(frames));
     }
-    if (job.recipe.is_steady) all.steady.emplace(device, scene, all.poses);
+  }
+  if (job.output.motion == Motion::kAnimation && job.recipe.is_steady) {
+    SteadyFrames frames =
+        frames_of_moving_scene(device, plan.recipe, [&o, &job, lighting = *plan.capture.lighting, &device](int frame) {
+          return animated_frame(o, job, lighting, device.threads(), frame);
+        });
+    frames.reach = job.steady;
+    frames.count = job.output.count;
+    all.steady.emplace(device, std::move(frames));
   }
   if (!job.output.is_moving()) return draw_in_order(all, nullptr, times);
   if (job.output.is_video) {

@@ -280,8 +280,9 @@ TEST_F(TurntableTest, AnAnimationIsASequence) {
   EXPECT_FALSE(fs::exists(folder_ / "all_0004.png"));
   good("rise.gltf" + small + "--animate --frame-rate 1.5 -o some.png --frames 2");
   EXPECT_EQ(text_of(folder_ / "all_0002.png"), text_of(folder_ / "some_0002.png"));
+  good("rise.gltf" + small + "--animate --frame-rate 1.5 -o single.png --steady 0 --frames 3");
   good("rise.gltf" + small + "--animation-time 2 -o end.png");
-  EXPECT_EQ(text_of(folder_ / "all_0003.png"), text_of(folder_ / "end.png"));
+  EXPECT_EQ(text_of(folder_ / "single_0003.png"), text_of(folder_ / "end.png"));
   EXPECT_GT(difference(image("all_0000.png"), image("all_0003.png")), 0.005);
   bad("still.gltf --animate -o all.png", 2, {"--animate", "'still.gltf' has none"});
   bad("rise.gltf --animate -o all.png --frames 9-120", 2, {"--frames 9-120", "0 to 60"});

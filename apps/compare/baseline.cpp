@@ -23,14 +23,21 @@ std::string key_of(const nlohmann::json& record) {
   return key + fmt::format("{}x{}", record.at("width").get<int>(), record.at("height").get<int>());
 }
 
+/// Returns the scores that a record must have: that of a sequence has no bias and no ssim.
+std::vector<const char*> scores_of(const nlohmann::json& record) {
+  return record.contains("flicker") ? std::vector{"flicker", "rmse", "p99", "flip"}
+                                    : std::vector{"rmse", "bias", "ssim", "p99", "flip"};
+}
+
 /// Max change of a score that counts as equal. The tolerance covers differences in rounding between SIMD
 /// targets only.
 struct Tolerance {
   const char* field;
   double absolute, relative;
 };
-constexpr Tolerance kTolerances[] = {
-    {"rmse", 5e-4, 0.01}, {"flip", 5e-4, 0.01}, {"p99", 4e-3, 0.01}, {"bias", 5e-4, 0.01}, {"ssim", 1e-3, 0.0}};
+constexpr Tolerance kTolerances[] = {{"rmse", 5e-4, 0.01},    {"flip", 5e-4, 0.01}, {"p99", 4e-3, 0.01},
+                                     {"bias", 5e-4, 0.01},    {"ssim", 1e-3, 0.0},  {"flicker", 1e-4, 0.01},
+                                     {"flicker3", 1e-4, 0.01}};
 
 /// Returns a score of a record, converted so that lower is better.
 double lower_is_better(const nlohmann::json& record, std::string_view field) {
@@ -81,7 +88,9 @@ Result<nlohmann::json> read_baseline(const std::filesystem::path& file) {
          {"scene", "camera", "technique", "setting", "view", "radius", "falloff", "normal", "settings", "guard"})
       if (!record.contains(field) || !record[field].is_string()) return no_scores();
     if (record.contains("quantity") && !record["quantity"].is_string()) return no_scores();
-    for (const char* field : {"width", "height", "samples", "rmse", "bias", "ssim", "p99", "flip"})
+    for (const char* field : {"width", "height", "samples"})
+      if (!record.contains(field) || !record[field].is_number()) return no_scores();
+    for (const char* field : scores_of(record))
       if (!record.contains(field) || !record[field].is_number()) return no_scores();
     for (const char* side : {"width", "height"})
       if (!record[side].is_number_integer() || record[side] < 1 || record[side] > kMaxSide) return no_scores();
@@ -126,6 +135,8 @@ Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohm
                         shown(before.at("view")), shown(after.at("view")));
     ++check.compared;
     for (const auto& [field, absolute, relative] : kTolerances) {
+      const auto has_score = [&](const auto& record) { return record.contains(field) && record.at(field).is_number(); };
+      if (!has_score(before) || !has_score(after)) continue;
       const double bad_before = lower_is_better(before, field), bad_now = lower_is_better(after, field);
       const double max_change = absolute + relative * bad_before;
       if (std::abs(bad_now - bad_before) <= max_change) continue;

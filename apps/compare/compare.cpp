@@ -18,7 +18,6 @@
 #include "scene/framing.h"
 
 namespace umbrage {
-namespace {
 
 Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings) {
   std::vector<const Effect*> all;
@@ -38,6 +37,16 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
   }
   return chosen;
 }
+
+std::string view_text(const Camera& camera) {
+  const glm::vec3 eye = camera.eye();
+  const glm::mat4& m = camera.view_from_world;
+  return fmt::format("{} {:.3g} {:.3g} {:.3g}, {:.2f} {:.2f} {:.2f}, {:.3g} {:.3g} {:.3g} {:.3g}",
+                     camera.projection == Projection::kOrthographic ? "orthographic" : "perspective", eye.x, eye.y,
+                     eye.z, -m[0][2], -m[1][2], -m[2][2], camera.left, camera.right, camera.bottom, camera.top);
+}
+
+namespace {
 
 /// The parameter of techniques that take ambient light from the open directions.
 constexpr std::string_view kDirectional = "directional";
@@ -107,15 +116,6 @@ Result<Recipe> recipe_of(const CompareSettings& settings) {
 /// Returns the radius as an option value; if none is set, the radius of the reference.
 std::string radius_text(const CompareSettings& settings) {
   return settings.draw.occlusion_radius.empty() ? reference_radius() : settings.draw.occlusion_radius;
-}
-
-/// Formats a camera, rounded so that differences in floating-point rounding between compilers do not matter.
-std::string view_text(const Camera& camera) {
-  const glm::vec3 eye = camera.eye();
-  const glm::mat4& m = camera.view_from_world;
-  return fmt::format("{} {:.3g} {:.3g} {:.3g}, {:.2f} {:.2f} {:.2f}, {:.3g} {:.3g} {:.3g} {:.3g}",
-                     camera.projection == Projection::kOrthographic ? "orthographic" : "perspective", eye.x, eye.y,
-                     eye.z, -m[0][2], -m[1][2], -m[2][2], camera.left, camera.right, camera.bottom, camera.top);
 }
 
 /// Returns the estimated work of a variant of a technique, in units of Run. All techniques that trace no rays count

@@ -38,6 +38,12 @@ struct CameraShot {
   std::vector<View> views;
 };
 
+/// Returns the techniques of the settings, also the reference. Errors: kUsage.
+Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings);
+
+/// Formats a camera, rounded so that differences in floating-point rounding between compilers do not matter.
+std::string view_text(const Camera& camera);
+
 /// Checks --cameras, --samples and --runs, and that no model is given twice. Errors: kUsage.
 Result<void> check_picture_options(const std::vector<std::string>& models, int cameras, int samples, int runs);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "core/check.h"
 #include "core/color.h"
@@ -15,6 +16,7 @@ namespace {
 constexpr std::string_view kPage =
 #include "compare_page.inc"
     ;
+constexpr float kMapGain = 16.0f;  // of the maps of flicker: white is a change of 1/16
 constexpr std::string_view kDataPlaceholder = "/*UMBRAGE-DATA*/";
 
 nlohmann::json number_or_null(double value) {
@@ -33,8 +35,8 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-/// Returns a picture as the data URL of a PNG: one plane unchanged, or three planes of linear light, to which exposure
-/// and the sRGB curve are applied.
+/// Returns a picture as the data URL of a PNG: one plane times the exposure, or three planes of linear light, to which
+/// exposure and the sRGB curve are applied.
 Result<std::string> data_url(const Image& picture, float exposure) {
   constexpr const char* kColor[] = {"color.r", "color.g", "color.b"};
   const bool is_color = picture.planes.size() == 3;
@@ -42,9 +44,11 @@ Result<std::string> data_url(const Image& picture, float exposure) {
   for (std::size_t p = 0; p < picture.planes.size(); ++p) {
     Plane& plane = image.add(is_color ? kColor[p] : "grey");
     plane = picture.planes[p];
-    for (int y = 0; is_color && y < plane.height; ++y)
-      for (int x = 0; x < plane.width; ++x)
-        plane.at(x, y) = srgb_from_linear(std::clamp(exposure * plane.at(x, y), 0.0f, 1.0f));
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) {
+        const float value = exposure * plane.at(x, y);
+        plane.at(x, y) = is_color ? srgb_from_linear(std::clamp(value, 0.0f, 1.0f)) : value;
+      }
   }
   const auto bytes = encode_png("index.html", image, {.small = true});
   if (!bytes) return bytes.error();
@@ -62,6 +66,21 @@ Image class_picture(const ClassMap& classes) {
       plane.at(x, y) = c == PixelClass::kBackground ? 0.0f : kStep * float(int(c) + 1);
     }
   return image;
+}
+
+/// Returns the page with its data.
+std::string page_with(const nlohmann::json& data) {
+  // Names come from the command line. They may contain text that would end the page's script element, or bytes that
+  // are not UTF-8.
+  std::string text = data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at + 3))
+    text.insert(at + 1, "\\");
+  for (std::size_t at = text.find("<!--"); at != std::string::npos; at = text.find("<!--", at + 5))
+    text.replace(at, 4, "\\u003c!--");
+  std::string page(kPage);
+  const std::size_t placeholder = page.find(kDataPlaceholder);
+  if (placeholder == std::string::npos) fail_check("page.html has no placeholder for the data");
+  return page.replace(placeholder, kDataPlaceholder.size(), text);
 }
 
 }  // namespace
@@ -95,6 +114,28 @@ nlohmann::json scores_json(const Comparison& comparison) {
     record["format"] = kScoresFormat;
     record["view"] = score.view;
     record.update(terms_json(comparison.terms));
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+nlohmann::json scores_json(const SequenceComparison& comparison) {
+  nlohmann::json records = nlohmann::json::array();
+  for (const FlickerRow& row : comparison.rows) {
+    nlohmann::json record = terms_json(comparison.terms);
+    record.update({{"scene", row.scene},
+                   {"camera", row.motion},
+                   {"technique", row.technique},
+                   {"setting", row.setting()},
+                   {"device", row.device},
+                   {"width", row.width},
+                   {"height", row.height},
+                   {"quantity", "flicker of " + row.quantity},
+                   {"pixels", row.flicker.pixels},
+                   {"format", kScoresFormat},
+                   {"view", row.view}});
+    record["ratio"] = number_or_null(row.flicker.ratio());
+    for (const auto& [name, field] : kFlickerFields) record[name] = number_or_null(row.flicker.*field);
     records.push_back(std::move(record));
   }
   return records;
@@ -140,17 +181,27 @@ Result<std::string> report_page(const Comparison& comparison, const std::string&
     }
     data["views"].push_back(std::move(record));
   }
-  // Names come from the command line. They may contain text that would end the page's script element, or bytes that
-  // are not UTF-8.
-  std::string text = data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at + 3))
-    text.insert(at + 1, "\\");
-  for (std::size_t at = text.find("<!--"); at != std::string::npos; at = text.find("<!--", at + 5))
-    text.replace(at, 4, "\\u003c!--");
-  std::string page(kPage);
-  const std::size_t placeholder = page.find(kDataPlaceholder);
-  if (placeholder == std::string::npos) fail_check("page.html has no placeholder for the data");
-  return page.replace(placeholder, kDataPlaceholder.size(), text);
+  return page_with(data);
+}
+
+Result<std::string> report_page(const SequenceComparison& comparison, const std::string& command,
+                                const Device& device) {
+  nlohmann::json data = {{"version", project_version()},
+                         {"command", command},
+                         {"device", device.description()},
+                         {"sequences", scores_json(comparison)}};
+  for (std::size_t k = 0; k < comparison.rows.size(); ++k) {
+    const FlickerRow& row = comparison.rows[k];
+    if (row.map.planes.empty()) continue;
+    for (const auto& [name, picture, gain] : {std::tuple("strip", &row.strip, 1.0f),
+                                              {"truth_strip", &row.truth_strip, 1.0f},
+                                              {"map", &row.map, kMapGain}}) {
+      const auto url = data_url(*picture, gain);
+      if (!url) return url.error();
+      data["sequences"][k][name] = *url;
+    }
+  }
+  return page_with(data);
 }
 
 }  // namespace umbrage

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -12,6 +13,7 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/standard_input.h"
 #include "apps/compare/compare.h"
+#include "apps/compare/flicker.h"
 #include "apps/compare/report.h"
 #include "apps/compare/tune.h"
 #include "apps/lab/commands.h"
@@ -94,28 +96,59 @@ void print_table(const Comparison& comparison, Quantity quantity, std::pair<int,
   }
 }
 
-}  // namespace
-
-Result<void> run_compare(const CompareOptions& o) {
-  CompareSettings settings;
-  settings.light = o.light;
-  settings.budget = o.budget;
-  settings.filter = o.filter;
-  settings.sizes.clear();
-  for (const std::string& text : o.sizes) {
-    const auto size = parse_size("width", text, kMaxPixels);
-    if (!size) return size.error();
-    settings.sizes.push_back(*size);
+/// Prints one line per row of sequences of one size: means over all scenes.
+void print_table(const SequenceComparison& comparison, std::pair<int, int> size) {
+  fmt::print(
+      "flicker, {}x{}, means over all scenes; light as a fraction of its mean; open parts in 1/255\n{:<10} {:<20} "
+      "{:<8} {:>6} {:>7} {:>7} {:>6} {:>7} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} {:>6}\n",
+      size.first, size.second, "motion", "look, technique", "plane", "joined", "flicker", "truth", "ratio", "over 3",
+      "truth", "own", "rmse", "rms", "p99", "flip", "truth");
+  std::vector<std::string> shown;
+  for (const FlickerRow& first : comparison.rows) {
+    const auto key_of = [](const FlickerRow& row) {
+      return fmt::format("{:<10} {:<20} {:<8} {:>6}", row.motion, row.look + ", " + row.technique, row.quantity,
+                         row.reach);
+    };
+    const std::string key = key_of(first);
+    if (contains(shown, key)) continue;
+    shown.push_back(key);
+    Flicker mean{.far = 0.0};
+    const auto is_same = [&](const FlickerRow& row) {
+      return key_of(row) == key && std::pair(row.width, row.height) == size;
+    };
+    const double count = double(std::count_if(comparison.rows.begin(), comparison.rows.end(), is_same));
+    for (const FlickerRow& row : comparison.rows)
+      for (const auto& [name, field] : kFlickerFields)
+        if (is_same(row)) mean.*field += row.flicker.*field / count;
+    if (count == 0.0) continue;
+    const std::string ratio = std::isfinite(mean.ratio()) ? fmt::format("{:.2f}", mean.ratio()) : "-";
+    fmt::print("{} {:7.4f} {:7.4f} {:>6} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:6.2f} {:6.2f} {:6.4f} {:6.4f}\n", key,
+               mean.next, mean.truth_next, ratio, mean.far, mean.truth_far, mean.own, mean.error, 255.0 * mean.open_rms,
+               255.0 * mean.open_p99, mean.flip, mean.truth_flip);
   }
-  // The page shows the pictures of the first size.
-  std::stable_sort(settings.sizes.begin(), settings.sizes.end(), [](const auto& a, const auto& b) {
-    const long area_a = long(a.first) * a.second, area_b = long(b.first) * b.second;
-    return area_a != area_b ? area_a > area_b : a > b;
-  });
-  settings.sizes.erase(std::unique(settings.sizes.begin(), settings.sizes.end()), settings.sizes.end());
-  if (o.techniques != "all") settings.techniques = split(o.techniques);
-  if (auto status = apply_measure_options(o, settings); !status) return status;
-  if (auto status = check_compare(settings); !status) return status;
+}
+
+/// Prints what a comparison measured.
+void print_comparison(const Comparison& comparison, const CompareSettings& settings) {
+  for (int q = 0; q < (settings.light ? kQuantities : 1); ++q)
+    for (const auto& size : settings.sizes)
+      print_table(comparison, Quantity(q), size, settings.budget && Quantity(q) == Quantity::kOcclusion);
+  fmt::print(
+      "ground truth: mean {:.4f} over all surfaces, {} rays per pixel within {}, standard error of a pixel {:.4f}\n",
+      comparison.mean, comparison.terms.samples, comparison.terms.radius, comparison.noise);
+  if (settings.light)
+    fmt::print("ground truth of light: one bounce within {}, standard error of a pixel {:.4f} of the mean light\n",
+               comparison.terms.radius, comparison.light_noise);
+}
+void print_comparison(const SequenceComparison& comparison, const SequenceSettings& settings) {
+  for (const auto& size : settings.sizes) print_table(comparison, size);
+}
+
+/// Measures, and writes the report. `check` and `measure` are those of the settings.
+template <class Settings, class Check, class Measure>
+Result<void> compare_with(const CompareOptions& o, Settings& settings, const Check& check_settings,
+                          const Measure& measure) {
+  if (auto status = check_settings(settings); !status) return status;
   nlohmann::json baseline;
   if (!o.baseline.empty()) {
     auto read = read_baseline(o.baseline);
@@ -131,7 +164,7 @@ Result<void> run_compare(const CompareOptions& o) {
 
   ProgressLine line;
   settings.progress = progress_on(line);
-  const auto comparison = compare(**device, settings);
+  const auto comparison = measure(**device, settings);
   if (!comparison) return comparison.error();
   print_measured(o, comparison->warnings, **device, line);
   line.show("writing the page");
@@ -143,15 +176,7 @@ Result<void> run_compare(const CompareOptions& o) {
   if (auto written = write_text(folder / "scores.json", scores_text(scores)); !written) return written;
   if (auto written = write_text(folder / "index.html", *page); !written) return written;
 
-  for (int q = 0; q < (o.light ? kQuantities : 1); ++q)
-    for (const auto& size : settings.sizes)
-      print_table(*comparison, Quantity(q), size, o.budget && Quantity(q) == Quantity::kOcclusion);
-  fmt::print(
-      "ground truth: mean {:.4f} over all surfaces, {} rays per pixel within {}, standard error of a pixel {:.4f}\n",
-      comparison->mean, comparison->terms.samples, comparison->terms.radius, comparison->noise);
-  if (o.light)
-    fmt::print("ground truth of light: one bounce within {}, standard error of a pixel {:.4f} of the mean light\n",
-               comparison->terms.radius, comparison->light_noise);
+  print_comparison(*comparison, settings);
   fmt::print("the report is {}; the numbers are in {}\n", (folder / "index.html").string(),
              (folder / "scores.json").string());
   if (o.baseline.empty()) return {};
@@ -164,6 +189,43 @@ Result<void> run_compare(const CompareOptions& o) {
     return Error{ErrorKind::kInternal, fmt::format("{} scores got worse than in {}", check->worse.size(), o.baseline)};
   fmt::print("no score is worse than in {}: {} records compared\n", o.baseline, check->compared);
   return {};
+}
+
+}  // namespace
+
+Result<void> run_compare(const CompareOptions& o) {
+  SequenceSettings settings;
+  settings.light = o.light;
+  settings.budget = o.budget;
+  settings.filter = o.filter;
+  settings.sizes.clear();
+  std::vector<std::string> sizes = o.sizes;
+  if (sizes.empty())
+    sizes = o.sequence ? std::vector<std::string>{"384,384"} : std::vector<std::string>{"960,540", "480,270"};
+  for (const std::string& text : sizes) {
+    const auto size = parse_size("width", text, kMaxPixels);
+    if (!size) return size.error();
+    settings.sizes.push_back(*size);
+  }
+  // The page shows the pictures of the first size.
+  std::stable_sort(settings.sizes.begin(), settings.sizes.end(), [](const auto& a, const auto& b) {
+    const long area_a = long(a.first) * a.second, area_b = long(b.first) * b.second;
+    return area_a != area_b ? area_a > area_b : a > b;
+  });
+  settings.sizes.erase(std::unique(settings.sizes.begin(), settings.sizes.end()), settings.sizes.end());
+  if (!o.techniques.empty()) settings.techniques = split(o.techniques);
+  if (auto status = apply_measure_options(o, settings); !status) return status;
+  if (settings.models.empty()) {
+    if (!o.sequence) return field_error("MODEL", "", "{} is missing: name a model or a built-in scene");
+    settings.models = {"scene:solids", "scene:tank", "scene:atrium"};
+  }
+  if (!o.sequence) return compare_with(o, static_cast<CompareSettings&>(settings), check_compare, compare);
+  if (o.cameras != MeasureOptions().cameras || o.runs != MeasureOptions().runs)
+    print_warning(
+        "--cameras and --runs do not apply to --sequence: it draws one view of each scene and measures no times");
+  if (!o.looks.empty()) settings.looks = split(o.looks);
+  if (!o.motions.empty()) settings.motions = split(o.motions);
+  return compare_with(o, settings, check_sequences, compare_sequences);
 }
 
 namespace {

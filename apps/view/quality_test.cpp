@@ -12,6 +12,8 @@
 #include "apps/view/encoder.h"
 #include "apps/view/error_map.h"
 #include "apps/view/tables.h"
+#include "apps/view/view_model.h"
+#include "devices/cpu/cpu_device.h"
 #include "looks/looks.h"
 #include "renderer/options.h"
 
@@ -127,6 +129,55 @@ TEST(ViewTables, HaveEveryOptionEffectAndLook) {
   EXPECT_EQ(kind_of("background-color"), "color");
   EXPECT_EQ(kind_of("no-background"), "flag");
   EXPECT_EQ(kind_of("hdri-intensity"), "number");
+}
+
+/// Returns the root mean square difference of two pictures where neither has a strong edge.
+double noise_of(const Image& a, const Image& b) {
+  const Plane &p = a.planes[0], &q = b.planes[0];
+  double sum = 0.0;
+  int count = 0;
+  for (int y = 1; y + 1 < a.height; ++y)
+    for (int x = 1; x + 1 < a.width; ++x) {
+      if (q.at(x, y) == 1.0f || std::fabs(q.at(x + 1, y) - q.at(x - 1, y)) > 0.05f ||
+          std::fabs(q.at(x, y + 1) - q.at(x, y - 1)) > 0.05f)
+        continue;
+      sum += std::pow(p.at(x, y) - q.at(x, y), 2.0);
+      ++count;
+    }
+  EXPECT_GT(count, 1000);
+  return std::sqrt(sum / count);
+}
+
+TEST(ViewModelMoving, FramesAreJoinedWithThoseBefore) {
+  Request request;
+  request.look = "ao";
+  request.width = 240;
+  request.height = 160;
+  request.passes = {"ao"};
+  const auto model = ViewModel::load("scene:solids?detail=2000", false, request);
+  ASSERT_TRUE(model) << model.error().message;
+  DrawingDevice device{make_cpu_device({})};
+  const auto drawn = [&](float azimuth_deg, bool moving, int samples) {
+    Request turned = moving_request(request);
+    turned.camera.azimuth_deg = azimuth_deg;
+    turned.anti_aliasing = samples;
+    Image image;
+    DrawControl control{.moving = moving, .aspect = moving ? 1.5 : 0.0};
+    control.take = [&](const Image& picture, int, bool) -> Result<void> {
+      image = Image(picture.width, picture.height);
+      image.add("ao") = picture.planes[0];
+      return {};
+    };
+    StageTimes times;
+    const auto status = (*model)->draw(device, turned, control, times);
+    EXPECT_TRUE(status) << status.error().message;
+    return image;
+  };
+  const Image exact = drawn(4.0f, false, 64);
+  const double single = noise_of(drawn(4.0f, true, 1), exact);
+  for (const float azimuth_deg : {0.0f, 1.0f, 2.0f, 3.0f}) drawn(azimuth_deg, true, 1);
+  const double joined = noise_of(drawn(4.0f, true, 1), exact);
+  EXPECT_LT(joined, 0.8 * single) << joined << ", single " << single;
 }
 
 TEST(ViewTables, TellTheTechniqueOfALook) {

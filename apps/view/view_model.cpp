@@ -169,6 +169,7 @@ void ViewModel::forget_captures() {
   capture_.clear();
   moving_capture_.clear();
   captured_by_ = nullptr;
+  live_.reset();
 }
 
 Result<ViewCamera> ViewModel::camera(const Request& request) {
@@ -286,11 +287,41 @@ Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request
     more.wants_another = [&](int samples) { return samples < control.max_samples && control.wants_another(samples); };
     more.take_mean = [&](const Frame& mean, int samples) { return give(plan->recipe, mean, samples, true); };
   }
-  const auto picture = draw_keeping(
-      *device.device, **scene, *plan, is_full_size ? capture_ : moving_capture_, times,
-      [&] { return prepare(device, control.monitor); }, control.monitor, control.monitor, more);
+  // While only settings change, captures are kept.
+  const bool is_live =
+      !is_full_size && can_be_steady(*recipe) && !plan->averages() && moving_camera_ && *moving_camera_ != plan->camera;
+  if (!is_full_size) moving_camera_ = plan->camera;
+  const auto picture =
+      is_live ? draw_live(device, *recipe, *plan, control, times)
+              : draw_keeping(
+                    *device.device, **scene, *plan, is_full_size ? capture_ : moving_capture_, times,
+                    [&] { return prepare(device, control.monitor); }, control.monitor, control.monitor, more);
   if (!picture) return picture.error();
   return refines ? Result<void>() : give(plan->recipe, picture->frame, plan->recipe.frames, plan->averages());
+}
+
+Result<Drawn> ViewModel::draw_live(DrawingDevice& device, const Recipe& recipe, const Plan& plan,
+                                   const DrawControl& control, StageTimes& times) {
+  constexpr int kReach = 3;
+  if (auto ready = prepare(device, control.monitor); !ready) return ready.error();
+  const bool goes_on = live_ && live_->settings == recipe.settings && live_->plan.recipe.width == recipe.width &&
+                       live_->plan.recipe.height == recipe.height;
+  if (!goes_on) {
+    live_.emplace(recipe.settings, plan);
+    SteadyFrames frames = frames_of_still_scene(*device.device, *completed_.scene, [this](int) { return live_->plan; });
+    frames.reach = kReach;
+    frames.count = std::numeric_limits<int>::max();
+    frames.only_past = true;
+    live_->sequence.emplace(*device.device, std::move(frames));
+  }
+  live_->plan = plan;
+  live_->plan.first_noise += live_->count;
+  auto drawn = live_->sequence->draw(live_->count++, times, control.monitor, live_->stops, {});
+  if (!drawn)
+    live_.reset();  // it may lack frames
+  else if (plan.metered)
+    live_->stops = drawn->stops;
+  return drawn;
 }
 
 Result<void> ViewModel::shade(DrawingDevice& device, const Request& request, const DrawControl& control,

@@ -10,6 +10,7 @@
 #include "apps/view/quality.h"
 #include "gbuffers/gbuffer_file.h"
 #include "renderer/completed_scene.h"
+#include "renderer/steady.h"
 
 namespace umbrage::view {
 
@@ -94,6 +95,15 @@ class ViewModel {
   void forget_captures();
 
  private:
+  /// The last frames of a camera that moves.
+  struct Live {
+    EffectSettings settings;
+    Plan plan;  ///< of the newest one
+    int count = 0;
+    std::optional<float> stops = {};
+    std::optional<SteadySequence> sequence = {};
+  };
+
   ViewModel() = default;
   Result<const Scene*> complete(Recipe& recipe, const ProgressMonitor& monitor);
   Result<void> prepare(DrawingDevice& device, const ProgressMonitor& monitor) const;
@@ -101,6 +111,9 @@ class ViewModel {
   using GiveFrame = std::function<Result<void>(const Recipe& recipe, const Frame& frame, int samples, bool averages)>;
   Result<void> draw_scene(DrawingDevice& device, const Request& request, std::span<const std::string_view> besides,
                           const DrawControl& control, StageTimes& times, const GiveFrame& give);
+  /// Draws a frame of a camera that moves, joined with those before it that have the same settings.
+  Result<Drawn> draw_live(DrawingDevice& device, const Recipe& recipe, const Plan& plan, const DrawControl& control,
+                          StageTimes& times);
   Result<void> shade(DrawingDevice& device, const Request& request, const DrawControl& control, StageTimes& times);
 
   std::string import_key_;
@@ -113,6 +126,8 @@ class ViewModel {
   KeptCapture capture_;         // of the last picture of full size
   KeptCapture moving_capture_;  // of the last one whose size was chosen to be drawn in time
   const Device* captured_by_ = nullptr;
+  std::optional<Camera> moving_camera_;  // of the last such picture
+  std::optional<Live> live_;
   std::optional<GBufferFile> gbuffer_;
   std::optional<GBuffer> planes_;  // of gbuffer_
 };

@@ -10,6 +10,7 @@
 #include "kernels/steady_ao_rays.h"
 #include "kernels/steady_light.h"
 #include "kernels/steady_light_rays.h"
+#include "kernels/steady_there.h"
 
 namespace umbrage {
 namespace {
@@ -19,16 +20,21 @@ const std::vector<Parameter> kSteadyTable = {
                "weights of the frames: equal, or by their numbers of rays"),
     bool_row("light", &SteadyParams::light, false, "join indirect light as well as occlusion"),
     bool_row("begin", &SteadyParams::begin, true, "this is the first frame that is joined"),
+    choice_row("motion", &SteadyParams::motion, kMotionOfCamera, {"camera", "planes"},
+               "what tells where a surface point is in the other frame: the cameras, or the planes there"),
     real_row("distance", &SteadyParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
              "max distance of a pixel from another's plane at which both show one surface"),
     real_row("angle", &SteadyParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
              "max angle between normals at which pixels of two frames fit fully"),
+    real_row("change", &SteadyParams::change, {.initial = 0.03, .min = 0.001, .max = 1},
+             "max change of occlusion with which a frame counts fully, if planes tell the motion"),
 };
 
 void fill_steady(const SteadyParams& params, const PictureInfo& info, SteadyConstants& c) {
   c.begin = params.begin;
   c.distance = params.distance;
   c.turn = float(1.0 / (1.0 - std::cos(params.angle * std::numbers::pi / 180.0)));
+  c.less_above = params.motion == kMotionOfPlanes ? 1.0f / params.change : 0.0f;
   PictureInfo other = info;
   if (info.other_camera) other.camera = *info.other_camera;
   c.usable = other.camera.projection == info.camera.projection;
@@ -46,6 +52,8 @@ void fill_steady(const SteadyParams& params, const PictureInfo& info, SteadyCons
   c.ray_offset_y = other.camera.top;
 }
 
+bool only_camera_moves(const ParameterBytes& bytes) { return as<SteadyParams>(bytes).motion == kMotionOfCamera; }
+
 template <bool light, bool rays>
 bool joins(const ParameterBytes& bytes) {
   const auto& params = as<SteadyParams>(bytes);
@@ -56,9 +64,9 @@ bool joins(const ParameterBytes& bytes) {
 template <bool light, bool rays>
 Dispatch join_dispatch(std::string_view name, const Kernel& kernel) {
   std::vector<std::string_view> outputs = {"ao", "steady_weight"};
-  std::vector<std::string_view> inputs = {"depth",          "normal.x",       "normal.y",
-                                          "normal.z",       "other_depth",    "other_normal.x",
-                                          "other_normal.y", "other_normal.z", "other_ao"};
+  std::vector<std::string_view> inputs = {"depth",       "normal.x",       "normal.y",       "normal.z",
+                                          "other_depth", "other_normal.x", "other_normal.y", "other_normal.z",
+                                          "other_ao",    "there.x",        "there.y",        "there.z"};
   if (light) outputs.insert(outputs.end(), {"indirect.r", "indirect.g", "indirect.b"});
   if (light) inputs.insert(inputs.end(), {"other_indirect.r", "other_indirect.g", "other_indirect.b"});
   if (rays) outputs.emplace_back("traced_confidence"), inputs.emplace_back("other_traced_confidence");
@@ -74,8 +82,13 @@ Effect effect_steady() {
       {.name = "steady",
        .summary = "join the occlusion and indirect light of neighbouring frames of a sequence, along surfaces",
        .variants = {"", "light=on", "weight=rays"},
-       .neutral = {{"other_depth", 0.0f}, {"steady_weight", 1.0f}, {"traced_confidence", 0.5f}},
-       .dispatches = {join_dispatch<false, false>("ao", steady_ao_kernel()),
+       .neutral = {{"other_depth", 0.0f}, {"steady_weight", 1.0f}, {"there", 0.0f}, {"traced_confidence", 0.5f}},
+       .dispatches = {{.name = "there",
+                       .inputs = {"depth"},
+                       .outputs = {"there.x", "there.y", "there.z"},
+                       .kernel = steady_there_kernel(),
+                       .needed = only_camera_moves},
+                      join_dispatch<false, false>("ao", steady_ao_kernel()),
                       join_dispatch<true, false>("light", steady_light_kernel()),
                       join_dispatch<false, true>("ao_rays", steady_ao_rays_kernel()),
                       join_dispatch<true, true>("light_rays", steady_light_rays_kernel())}});

@@ -1,6 +1,6 @@
-// Joins the occlusion and indirect light of another frame of a sequence: each surface point of this frame is found in
-// the other one by the cameras of both, and takes the mean of the pixels there that show its surface. Runs once for
-// each other frame; `steady_weight` is the sum of weights so far.
+// Joins the occlusion and indirect light of another frame of a sequence: each surface point of this frame, which is at
+// `there` in the other one, takes the mean of the pixels there that show its surface. Runs once for each other frame;
+// `steady_weight` is the sum of weights so far.
 // KERNEL steady_ao: LIGHT=0 RAYS=0
 // KERNEL steady_light: LIGHT=1 RAYS=0
 // KERNEL steady_ao_rays: LIGHT=0 RAYS=1
@@ -21,6 +21,7 @@ INOUT_COLOR(indirect)
 #include "kernel/surface.kernel.h"
 IN_REAL(depth)
 IN_VECTOR(normal)
+IN_VECTOR(there)
 
 // A frame counts from this part of the bilinear weights on, fully from twice that on.
 CONST float kMinFound = 0.25f;
@@ -59,13 +60,13 @@ FN void steady_pixel(Int px, Int py) {
   Real weight = C.begin != 0 ? own_weight() : own_steady_weight();
   Real depth = near_depth(0, 0);
   Vec3 normal = turned_there(near_normal(0, 0));
-  Vec3 position = turned_there(view_position(px, py, depth)) + Vec3(Real(C.x[3]), Real(C.y[3]), Real(C.z[3]));
-  Bool visible = is_surface(depth) && position.z * Real(-float(C.usable)) > 0.0f;
+  Vec3 there = near_there(0, 0);
+  Bool visible = is_surface(depth) && there.z > 0.0f && there.x > -1.0f && there.y > -1.0f &&
+                 there.x < float(F.width) && there.y < float(F.height);
   if (some(visible)) {
-    Real spread = F.orthographic != 0 ? Real(1.0f) : Real(-1.0f) / position.z;
-    Real x = mad(position.x, spread, Real(-C.ray_offset_x)) * Real(1.0f / C.ray_scale_x) - 0.5f;
-    Real y = mad(position.y, spread, Real(-C.ray_offset_y)) * Real(1.0f / C.ray_scale_y) - 0.5f;
-    visible = visible && x > -1.0f && y > -1.0f && x < float(F.width) && y < float(F.height);
+    Vec3 position = position_there(there.x, there.y, there.z);
+    Real x = there.x;
+    Real y = there.y;
     x = select(visible, x, Real(0.0f));
     y = select(visible, y, Real(0.0f));
     Real column = floor(x);
@@ -97,6 +98,9 @@ FN void steady_pixel(Int px, Int py) {
       }
     // The frame counts with the mean of its rays where it is found.
     Real scale = clamp(found * (1.0f / kMinFound) - 1.0f, Real(0.0f), Real(1.0f)) / max(found, Real(1e-6f));
+    // Where occlusion differs by more than noise does, what occludes has moved.
+    Real difference = abs(change) / max(sum, Real(1e-6f));
+    scale = scale * clamp(2.0f - difference * C.less_above, Real(0.0f), Real(1.0f));
     Real total = mad(sum, scale, weight);
     Real share = scale / max(total, Real(1e-6f));
     own = mad(change, share, own);

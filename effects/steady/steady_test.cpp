@@ -85,6 +85,33 @@ TEST(Steady, LeavesOutOtherSurfacesAndBackground) {
   }
 }
 
+TEST(Steady, FindsPointsByThePlanesThere) {
+  GBuffer g = two_frames(0.0f, 0.5f, 0.01f);
+  g.layers[0].plane("other_ao") = Plane(kWidth, kHeight, 0.52f);
+  const auto places = [&](float x, float y, float z) {
+    const float values[] = {x, y, z};
+    const char* const names[] = {"there.x", "there.y", "there.z"};
+    for (int k = 0; k < 3; ++k) g.layers[0].add(names[k]) = Plane(kWidth, kHeight, values[k]);
+  };
+  const auto expect = [&](float ao) {
+    on_every_target("steady", g, {{"motion", "planes"}},
+                    [&](const Image& made) { EXPECT_NEAR(made.plane("ao").at(9, 7), ao, 1e-4f); });
+  };
+  places(30.0f, 12.0f, kDepth);
+  expect(0.51f);
+  g.layers[0].plane("other_ao") = Plane(kWidth, kHeight, 0.6f);  // more than noise
+  expect(0.5f);
+  g.layers[0].plane("other_ao") = Plane(kWidth, kHeight, 0.52f);
+  places(30.0f, 12.0f, kDepth * 1.2f);  // hidden there
+  expect(0.5f);
+  places(30.0f, 12.0f, 0.0f);
+  expect(0.5f);
+  places(NAN, 12.0f, kDepth);
+  expect(0.5f);
+  places(float(kWidth), 12.0f, kDepth);  // outside
+  expect(0.5f);
+}
+
 TEST(Steady, JoinsLightAlike) {
   GBuffer g = two_frames(0.0f, 0.5f, 0.0f);
   for (const char* name : kIndirect) {
