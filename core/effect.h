@@ -11,6 +11,7 @@
 #include "core/gbuffer.h"
 #include "core/length.h"
 #include "core/parameters.h"
+#include "core/strokes.h"
 
 namespace umbrage {
 
@@ -45,7 +46,6 @@ struct RaySettings {
 struct KernelFrame;  // input of a compiled kernel: see kernel/kernel_frame.h
 struct Tile;         // pixels that a kernel computes: see kernel/kernel_frame.h
 struct HostFrame;    // input and output of a host step: see kernel/host_frame.h
-struct Strokes;      // lines as curves: see core/strokes.h
 
 /// A compiled kernel: computes the outputs of its dispatch for one tile. Tiles may run concurrently.
 using CpuKernel = void (*)(const KernelFrame&, const Tile&);
@@ -59,6 +59,16 @@ struct Kernel {
 
 /// A dispatch that computes whole planes on the host. It may use all threads of its oneTBB arena.
 using HostStep = void (*)(const HostFrame&);
+
+/// How the lines of a host step stay on surfaces between the key frames of a sequence (renderer/key_lines.h). Both use
+/// the threads of their oneTBB arena.
+struct KeySteps {
+  /// Returns the lines of a key frame from the inputs of the host step, of which it does not read those that depend on
+  /// light. They do not refer to the frame.
+  SurfaceLines (*key)(const HostFrame& frame) = nullptr;
+  /// Returns LinesBetween::lines of the frames between two key frames.
+  SurfaceLines (*join)(const SurfaceLines& first, const SurfaceLines& second) = nullptr;
+};
 
 /// One compute shader that runs over all pixels, as a part of a dispatch.
 struct GpuStep {
@@ -102,6 +112,7 @@ struct Dispatch {
   HostStep host = nullptr;               ///< runs instead of kernels; `reach` is then null
   /// For a host step that draws lines: returns them.
   Strokes (*trace)(const HostFrame& frame) = nullptr;
+  KeySteps keys = {};  ///< for such a step; empty: each frame has its own lines
   /// If not null, the dispatch traces rays in the captured scene. Its kernel makes them: it runs once for each ray
   /// index, FrameConstants::round from 0 to max_rays - 1, and writes `ray.x .y .z`, a unit direction in view space, or
   /// 0 where the pixel has fewer rays. A ray starts at the pixel's surface point plus `ray_offset`. The device writes

@@ -30,6 +30,8 @@
 
 namespace umbrage {
 
+struct LinesBetween;  // core/strokes.h
+
 /// A patch of surface, one of a few coarse occluders that stand for the surfaces of a scene.
 struct Occluder {
   glm::vec3 center{0.0f};  ///< centroid of the patch, world space, scene units
@@ -85,6 +87,8 @@ struct PictureInfo {
   float ground_fade_distance = 0.0f;  ///< distance from ground_center at which its shadow has faded out; 0: no fading
   /// Coarse occluders of the scene, world space; null if they are not requested or there is no scene.
   std::shared_ptr<const OccluderSet> occluders = nullptr;
+  /// Lines of key frames, which an effect with KeySteps draws in place of new ones; null: there are none.
+  std::shared_ptr<const LinesBetween> lines_between = nullptr;
   std::optional<Camera> other_camera;  ///< camera of the other frame whose planes this one reads, guard band included
   int reduced = 1;                     ///< downsampling factor of a picture at reduced resolution; 1: full resolution
   int whole_width = 0, whole_height = 0;  ///< reduced > 1: inner size of the picture at full resolution

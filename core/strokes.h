@@ -1,5 +1,6 @@
 // Strokes: the lines of a picture as curves with width.
 #pragma once
+#include <memory>
 #include <vector>
 
 namespace umbrage {
@@ -29,6 +30,16 @@ struct Stroke {
 struct Strokes {
   int width = 0, height = 0;  ///< of the picture, pixels
   std::vector<Stroke> strokes;
+};
+
+/// Lines on surfaces, world space, in a type private to the effect that made them: of a key frame of a sequence, or of
+/// all frames between two of them.
+using SurfaceLines = std::shared_ptr<const void>;
+
+/// The lines of a frame between two key frames.
+struct LinesBetween {
+  SurfaceLines lines;  ///< of all frames between them
+  float after = 0.0f;  ///< where the frame is: 0 at the first key frame, 1 at the second
 };
 
 }  // namespace umbrage

@@ -37,6 +37,7 @@ Result<Frame> Drawing::capture(const Plan& plan, const Camera& camera) const {
   auto frame =
       is_captured(plan) ? Result<Frame>(device.branch(*captured)) : device.capture(camera, plan.capture, run.monitor);
   if (!frame) return frame;
+  frame->info.lines_between = plan.lines_between;
   if (plan.marked && plan.sample == 0) {
     const EffectStep step = marking_step(plan, frame->info);
     if (auto marked = device.run(*step.effect, step.params, *frame, {}, run.monitor); !marked) return marked.error();

@@ -32,6 +32,7 @@ struct Plan {
   ParameterBytes output;           ///< parameters of `output` for the averaged picture
   /// Parameters of the effects whose lines are drawn once, by sample 0, over the averaged picture; else empty.
   StrokeParameters lines;
+  std::shared_ptr<const LinesBetween> lines_between;  ///< see PictureInfo::lines_between
   int sample = 0;               ///< index of the sample to which the plan is set: see begin_picture
   int first_noise = 0;          ///< noise index of sample 0: see Effect::noise
   int first_shadow_sample = 0;  ///< CaptureSettings::sample of sample 0

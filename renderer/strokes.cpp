@@ -16,29 +16,12 @@
 namespace umbrage {
 namespace {
 
-/// Returns the dispatch of an effect that traces its lines.
-const Dispatch& tracing_dispatch(const Effect& effect) {
-  return *std::find_if(effect.dispatches.begin(), effect.dispatches.end(),
-                       [](const Dispatch& dispatch) { return dispatch.trace != nullptr; });
-}
-
 /// Appends the lines of an effect to `strokes`.
 void append_strokes(const EffectStep& lines, const PictureInfo& info, const Image& planes, int threads,
                     std::vector<Stroke>& strokes) {
-  std::vector<std::byte> constants(lines.effect->constants_size);
-  lines.effect->constants(lines.params, info, constants.data());
-  const Dispatch& dispatch = tracing_dispatch(*lines.effect);
-  std::vector<const Plane*> in_table_order;
-  // Tracing reads neither layers that do not exist nor the plane to which lines are added: any plane serves for them.
-  for (const std::string_view name : dispatch.inputs) {
-    const Plane* plane = planes.find(name);
-    in_table_order.push_back(plane ? plane : &planes.plane(dispatch.inputs[0]));
-  }
-  const std::vector<HostPlane> inputs = host_inputs(dispatch, in_table_order);
-  const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), constants.data(), inputs, {}};
   Strokes traced;
-  tbb::task_arena arena(std::max(threads, 1));
-  arena.execute([&] { traced = dispatch.trace(frame); });
+  run_tracing(lines, info, planes, threads,
+              [&](const Dispatch& dispatch, const HostFrame& frame) { traced = dispatch.trace(frame); });
   std::move(traced.strokes.begin(), traced.strokes.end(), std::back_inserter(strokes));
 }
 
@@ -55,6 +38,28 @@ bool is_inside(const Stroke& stroke, int width, int height) {
 }
 
 }  // namespace
+
+const Dispatch& tracing_dispatch(const Effect& effect) {
+  return *std::find_if(effect.dispatches.begin(), effect.dispatches.end(),
+                       [](const Dispatch& dispatch) { return dispatch.trace != nullptr; });
+}
+
+void run_tracing(const EffectStep& lines, const PictureInfo& info, const Image& planes, int threads,
+                 const std::function<void(const Dispatch&, const HostFrame&)>& step) {
+  std::vector<std::byte> constants(lines.effect->constants_size);
+  lines.effect->constants(lines.params, info, constants.data());
+  const Dispatch& dispatch = tracing_dispatch(*lines.effect);
+  std::vector<const Plane*> in_table_order;
+  // Tracing reads neither layers that do not exist nor the plane to which lines are added: any plane serves for them.
+  for (const std::string_view name : dispatch.inputs) {
+    const Plane* plane = planes.find(name);
+    in_table_order.push_back(plane ? plane : &planes.plane(dispatch.inputs[0]));
+  }
+  const std::vector<HostPlane> inputs = host_inputs(dispatch, in_table_order);
+  const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), constants.data(), inputs, {}};
+  tbb::task_arena arena(std::max(threads, 1));
+  arena.execute([&] { step(dispatch, frame); });
+}
 
 StrokeParameters take_lines(std::span<const Effect* const> effects, EffectSettings& settings) {
   StrokeParameters taken;

@@ -2,6 +2,7 @@
 // remain in the frame. Therefore they can be traced again after drawing.
 #pragma once
 #include <array>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -37,6 +38,13 @@ StrokeParameters stroke_parameters_or_none(const Recipe& recipe);
 
 /// Returns the planes from which these lines of a picture with this number of layers are traced.
 std::vector<std::string_view> edge_planes(const StrokeParameters& params, int layers);
+
+/// Returns the dispatch of an effect with lines that traces them.
+const Dispatch& tracing_dispatch(const Effect& effect);
+/// Calls `step` with that dispatch and its inputs, from a picture's planes with the guard band, in an arena of `threads`
+/// threads.
+void run_tracing(const EffectStep& lines, const PictureInfo& info, const Image& planes, int threads,
+                 const std::function<void(const Dispatch&, const HostFrame&)>& step);
 
 /// Traces the lines of a picture from its edge_planes, which include the guard band. Points are in pixels of the
 /// picture without the guard band; lines entirely outside of the picture are left out. Uses `threads` threads; the

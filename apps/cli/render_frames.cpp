@@ -16,9 +16,11 @@
 #include "apps/cli/standard_input.h"
 #include "core/lists.h"
 #include "io/image_file.h"
+#include "renderer/key_lines.h"
 #include "renderer/moving.h"
 #include "renderer/passes.h"
 #include "renderer/steady.h"
+#include "renderer/written_passes.h"
 #include "scene/scene.h"
 
 namespace umbrage::cli {
@@ -113,6 +115,7 @@ struct Drawing {
   Destination destination;                    ///< of the first frame
   std::function<Plan(int pose)> pose = {};    ///< of a turntable or camera path
   std::vector<int> pose_of_frame = {};        ///< of a camera path
+  std::optional<KeyLines> key_lines = {};     ///< of the poses, if frames are steady
   std::optional<SteadySequence> steady = {};  ///< of the poses or the animation, if frames are joined
   std::shared_ptr<const Scene> moved = {};    ///< of the frame of an animation, if they are not
   std::optional<float> stops = {};            ///< exposure of the first frame, used for all
@@ -188,6 +191,14 @@ Result<Drawn> draw_animated(Drawing& all, int frame, StageTimes& times, TimedSam
   return draw(all.device, *all.moved, moved->plan, times, timed.monitor(), all.stops, timed.continuation());
 }
 
+/// Returns the plan of a pose, with lines that stay on surfaces.
+Result<Plan> plan_with_lines(Drawing& all, int pose, StageTimes& times) {
+  Plan plan = all.pose(pose);
+  if (all.key_lines)
+    if (auto done = all.key_lines->complete(pose, plan, times, {}); !done) return done.error();
+  return plan;
+}
+
 /// Draws a frame.
 Result<Drawn> draw_of_frame(Drawing& all, const FrameTask& task, StageTimes& times, TimedSamples& timed) {
   const ProgressMonitor monitor = timed.monitor();
@@ -196,7 +207,9 @@ Result<Drawn> draw_of_frame(Drawing& all, const FrameTask& task, StageTimes& tim
   const int pose = all.pose_of_frame.empty() ? task.frame : all.pose_of_frame[std::size_t(task.frame)];
   if (all.steady && task.writes) return all.steady->draw(pose, times, monitor, all.stops, timed.continuation());
   if (all.job.output.motion == Motion::kAnimation) return draw_animated(all, task.frame, times, timed);
-  return draw(all.device, all.scene, all.pose(pose), times, monitor, all.stops, timed.continuation());
+  const auto plan = task.writes ? plan_with_lines(all, pose, times) : Result<Plan>(all.pose(pose));
+  if (!plan) return plan.error();
+  return draw(all.device, all.scene, *plan, times, monitor, all.stops, timed.continuation());
 }
 
 /// Draws a frame and writes its files. While one thread writes, another can draw.
@@ -301,7 +314,7 @@ void add_frame_options(CLI::App& command, RenderOptions& options) {
       ->excludes(path);
   add_number(command, "--steady", options.steady, {0, 8, NumberKind::kInteger},
              "frames before and after each frame of a turntable or camera path whose occlusion and indirect light it "
-             "shares, so that their noise does not flicker; 0: none",
+             "shares, so that their noise does not flicker; 0: none, and each frame has lines of its own",
              "3")
       ->group(output);
   add_sequence_options(command, options.sequence, true);
@@ -346,8 +359,15 @@ Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& d
     if (job.output.path) all.pose_of_frame = find_poses(o, job.output, job.recipe.framing, path);
     const int count = job.output.path ? int(path.size()) : job.output.count;
     all.pose = poses_of(o, job, scene, plan, std::move(path));
+    if (o.steady > 0) all.key_lines.emplace(device, all.pose, count, !job.output.path);
     if (job.recipe.is_steady) {
       SteadyFrames frames = frames_of_still_scene(device, scene, all.pose);
+      frames.draw_rest = [&all](int pose, const Frame& technique, StageTimes& used, const ProgressMonitor& monitor,
+                                std::optional<float> stops, const Continuation& more) -> Result<Drawn> {
+        const auto of_frame = plan_with_lines(all, pose, used);
+        if (!of_frame) return of_frame.error();
+        return draw_after_technique(all.device, all.scene, *of_frame, technique, used, monitor, stops, more);
+      };
       frames.reach = job.steady;
       frames.count = count;
       frames.is_closed = !job.output.path;

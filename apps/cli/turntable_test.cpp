@@ -324,6 +324,29 @@ TEST_F(TurntableTest, FramesOfAStandingCameraAreEqual) {
     EXPECT_EQ(text_of(folder_ / name), text_of(folder_ / "p_0000.png"));
 }
 
+TEST_F(TurntableTest, HatchingDependsOnTwoKeyFrames) {
+  // The camera stands still for the last second.
+  write("path.csv",
+        "time,position_x,position_y,position_z,focal_point_x,focal_point_y,focal_point_z\n"
+        "0,8,3,8,0,1,0\n2,4,3,9,0,1,0\n3,4,3,9,0,1,0\n");
+  const std::string line = kSolids + "--look hatching --frame-rate 8 ";
+  good(line + "--camera-path path.csv -o whole.png");
+  good(line + "--camera-path path.csv -o part.png --shard 2/3");
+  good(line + "--camera-path path.csv -o one.png --frames 7");
+  for (int frame = 9; frame < 17; ++frame)
+    EXPECT_EQ(text_of(folder_ / fmt::format("part_{:04}.png", frame)),
+              text_of(folder_ / fmt::format("whole_{:04}.png", frame)));
+  EXPECT_EQ(text_of(folder_ / "one_0007.png"), text_of(folder_ / "whole_0007.png"));
+  for (int frame = 17; frame < 25; ++frame)
+    EXPECT_EQ(text_of(folder_ / fmt::format("whole_{:04}.png", frame)), text_of(folder_ / "whole_0016.png"));
+  good(line + "--camera-path path.csv -o new.png --frames 7 --steady 0");
+  EXPECT_NE(text_of(folder_ / "new_0007.png"), text_of(folder_ / "whole_0007.png"));
+  // Occlusion that is joined does not change this.
+  good(line + "--ao traced --turntable 200 -o turn.png --frames 0-3");
+  good(line + "--ao traced --turntable 200 -o third.png --frames 3");
+  EXPECT_EQ(text_of(folder_ / "third_0003.png"), text_of(folder_ / "turn_0003.png"));
+}
+
 TEST_F(TurntableTest, ModelsWithTheSameViewAreDrawnAlone) {
   write("a.obj", box_obj(1.0f));
   write("b.obj", box_obj(4.0f));

@@ -152,6 +152,7 @@ Effect effect_hatching() {
                        .outputs = {"outline"},
                        .host = add_traced<hatching_lines>,
                        .trace = hatching_lines,
+                       .keys = {hatching_key, hatching_join},
                        .needed = has_lines}}});
 }
 

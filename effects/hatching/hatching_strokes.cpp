@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <glm/mat4x4.hpp>
-#include <glm/matrix.hpp>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <unordered_map>
 
 #include "core/gbuffer.h"
+#include "effects/hatching/hatching_surfaces.h"
 #include "effects/outline/outline_draw.h"
 
 namespace umbrage {
@@ -45,28 +45,9 @@ std::uint32_t scrambled(std::uint32_t v) {
   return v ^ (v >> 16);
 }
 
-/// World-space positions of the pixels of a picture.
-struct Positions {
-  explicit Positions(const HostFrame& frame)
-      : f(frame.frame), depth(frame.input("depth")), world_from_view(glm::inverse(frame.info.camera.view_from_world)) {}
-
-  float spread(int x, int y) const { return f.orthographic != 0 ? 1.0f : depth.row(y)[x]; }
-  float pixel_size(int x, int y) const {
-    return std::max(std::abs(f.ray_scale_x), std::abs(f.ray_scale_y)) * spread(x, y);
-  }
-  glm::vec3 at(int x, int y) const {
-    const float px = (float(x) + 0.5f) * f.ray_scale_x + f.ray_offset_x;
-    const float py = (float(y) + 0.5f) * f.ray_scale_y + f.ray_offset_y;
-    return glm::vec3(world_from_view * glm::vec4(px * spread(x, y), py * spread(x, y), -depth.row(y)[x], 1.0f));
-  }
-
-  const FrameConstants& f;
-  const HostPlane& depth;
-  glm::mat4 world_from_view;
-};
-
 /// Returns the point within a pixel or beside it whose surface is nearest to `target`, world space.
-Point nearest_point(const Positions& positions, const HatchingField& field, int x, int y, const glm::vec3& target) {
+Point nearest_point(const HatchingSurfaces& positions, const HatchingField& field, int x, int y,
+                    const glm::vec3& target) {
   Point p = {float(x) + 0.5f, float(y) + 0.5f};
   const int breaks = int(field.breaks.row(y)[x]);
   if (breaks != 0 || x + 1 >= field.width || y + 1 >= field.height) return p;
@@ -83,7 +64,7 @@ Point nearest_point(const Positions& positions, const HatchingField& field, int 
 /// Returns points on surfaces from which lines can start: one for each visible cell of a grid in world space, about
 /// `cell_px` pixels large, in the order of a hash of the cell. So the points stay on the surface when the camera moves.
 std::vector<Point> seeds_of(const HostFrame& frame, const HatchingField& field, float cell_px) {
-  const Positions positions(frame);
+  const HatchingSurfaces positions(frame);
   struct Seed {
     int x, y;
     glm::vec3 center;  // of the cell, world space
@@ -181,11 +162,20 @@ class Correction {
   std::vector<float> factors_;
 };
 
-/// Returns the ink along a line at every kStride-th of its points, averaged over about two spacings.
+/// Returns the indices of the points of a line that are drawn: every kStride-th, and of a line between key frames the
+/// last one, so that what hides it does so gradually.
+std::vector<std::size_t> drawn_points(const HatchingLine& line) {
+  std::vector<std::size_t> drawn;
+  for (std::size_t k = 0; k < line.points.size(); k += kStride) drawn.push_back(k);
+  if (!line.weight.empty() && drawn.back() + 1 < line.points.size()) drawn.push_back(line.points.size() - 1);
+  return drawn;
+}
+
+/// Returns the ink along a line at its drawn points, averaged over about two spacings.
 std::vector<float> ink_along(const HatchingLine& line, const Ink& ink, int width, int height) {
   constexpr int kRadius = 2;
   std::vector<float> own, mean;
-  for (std::size_t k = 0; k < line.points.size(); k += kStride) {
+  for (const std::size_t k : drawn_points(line)) {
     const Point p = line.points[k];
     own.push_back(ink.at(std::clamp(int(p.x), 0, width - 1), std::clamp(int(p.y), 0, height - 1)));
   }
@@ -208,12 +198,13 @@ Strokes with_widths(const std::vector<HatchingLine>& traced, const Ink& ink, con
   for (const HatchingLine& line : traced) {
     Stroke part{.kind = ink.second ? StrokeKind::kCrossHatch : StrokeKind::kHatch};
     const auto finish = [&] {
-      if (part.points.size() >= kMinPoints) lines.strokes.push_back(part);
+      if (part.points.size() >= (line.weight.empty() ? kMinPoints : 2)) lines.strokes.push_back(part);
       part.points.clear();
     };
     const std::vector<float> along = ink_along(line, ink, width, height);
+    const std::vector<std::size_t> drawn = drawn_points(line);
     for (std::size_t n = 0; n < along.size(); ++n) {
-      const std::size_t k = n * kStride;
+      const std::size_t k = drawn[n];
       const Point p = line.points[k];
       const float from_start = float(k + 1) / kTaperPoints, from_end = float(line.points.size() - k) / kTaperPoints;
       // In dark parts, thinner ends would be light spots, and lines are as wide as their room needs.
@@ -221,8 +212,12 @@ Strokes with_widths(const std::vector<HatchingLine>& traced, const Ink& ink, con
       const float fill = light + (1.0f - light) * line.room[k] / c.spacing_px;
       const float thinness = std::min({line.free_start ? from_start : 1.0f, line.free_end ? from_end : 1.0f, 1.0f});
       const float taper = 1.0f + light * (thinness - 1.0f);
-      const float w =
-          hatching_width(line.level[k], along[n], c.spacing_px, width_px) * fill * taper * correction.at(p.x, p.y);
+      float w = hatching_width(line.level[k], along[n], c.spacing_px, width_px);
+      if (!line.weight.empty()) {
+        const float next = hatching_width(line.next_level[k], along[n], c.spacing_px, width_px);
+        w = (w + line.gone * (next - w)) * line.weight[k];
+      }
+      w = w * fill * taper * correction.at(p.x, p.y);
       if (w < kMinWidth) {
         finish();
         continue;
@@ -247,10 +242,10 @@ HatchingField field_of(const HostFrame& frame, const HatchingConstants& c, bool 
           c.spacing_px};
 }
 
-Strokes lines_of_set(const HostFrame& frame, const HatchingConstants& c, const HatchingSeeds& seeds, bool second) {
+Strokes lines_of_set(const HostFrame& frame, const std::vector<HatchingLine>& traced, bool second) {
+  const auto& c = *static_cast<const HatchingConstants*>(frame.constants);
   const int width = frame.frame.width, height = frame.frame.height;
   const HostPlane &ink_plane = frame.input("hatching_ink"), &objects = frame.input("object_id");
-  const std::vector<HatchingLine> traced = trace_hatching(field_of(frame, c, second), seeds);
   const Ink ink{ink_plane, c.cross, second};
   Correction correction(width, height, 2.0f * c.spacing_px);
   OwnPlane drawn(width, height);
@@ -273,7 +268,7 @@ float hatching_width(float level, float ink, float spacing_px, float width_px) {
   return width[rank] + (level - float(rank)) * (width[rank + 1] - width[rank]);
 }
 
-Strokes hatching_lines(const HostFrame& frame) {
+std::array<std::vector<HatchingLine>, 2> traced_sets(const HostFrame& frame) {
   const auto& c = *static_cast<const HatchingConstants*>(frame.constants);
   const HatchingField field = field_of(frame, c, false);
   HatchingSeeds seeds;
@@ -281,10 +276,24 @@ Strokes hatching_lines(const HostFrame& frame) {
     const float cell_px = 0.5f * c.spacing_px * float(1 << (kHatchingRanks - 1 - rank));
     seeds[std::size_t(rank)] = seeds_of(frame, field, cell_px);
   });
-  Strokes lines, crossing;
-  tbb::parallel_invoke([&] { lines = lines_of_set(frame, c, seeds, false); },
+  std::array<std::vector<HatchingLine>, 2> sets;
+  tbb::parallel_invoke([&] { sets[0] = trace_hatching(field, seeds); },
                        [&] {
-                         if (c.cross < 1.0f) crossing = lines_of_set(frame, c, seeds, true);
+                         if (c.cross < 1.0f) sets[1] = trace_hatching(field_of(frame, c, true), seeds);
+                       });
+  return sets;
+}
+
+Strokes hatching_lines(const HostFrame& frame) {
+  std::array<std::vector<HatchingLine>, 2> sets;
+  if (frame.info.lines_between)
+    sets = {lines_between_keys(frame, false), lines_between_keys(frame, true)};
+  else
+    sets = traced_sets(frame);
+  Strokes lines, crossing;
+  tbb::parallel_invoke([&] { lines = lines_of_set(frame, sets[0], false); },
+                       [&] {
+                         if (!sets[1].empty()) crossing = lines_of_set(frame, sets[1], true);
                        });
   lines.strokes.insert(lines.strokes.end(), crossing.strokes.begin(), crossing.strokes.end());
   return lines;

@@ -29,6 +29,10 @@ struct HatchingLine {
   // At each point:
   std::vector<float> room;   ///< width of the strip to the middle between it and the lines beside it, pixels
   std::vector<float> level;  ///< `rank`, or more where lines of lower rank are nearer than that rank permits
+  // Of a line between key frames, else empty:
+  std::vector<float> next_level;  ///< of the line that it becomes
+  std::vector<float> weight;      ///< factor of its width
+  float gone = 0.0f;              ///< 0: it is as at its key frame, 1: it has become that of the other one
 };
 inline constexpr int kHatchingRanks = 3;
 using HatchingSeeds = std::array<std::vector<HatchingLine::Point>, kHatchingRanks>;
@@ -40,6 +44,16 @@ std::vector<HatchingLine> trace_hatching(const HatchingField& field, const Hatch
 /// Returns the width in pixels of a line of that level where the fraction `ink` of the area is to be covered, by lines
 /// of `width_px` that are wider only where all ranks together need it.
 float hatching_width(float level, float ink, float spacing_px, float width_px);
+
+/// Returns the lines of both sets of a picture, the second of which crosses the first, from the inputs of the host step
+/// that do not depend on light.
+std::array<std::vector<HatchingLine>, 2> traced_sets(const HostFrame& frame);
+
+/// Implement KeySteps.
+SurfaceLines hatching_key(const HostFrame& frame);
+SurfaceLines hatching_join(const SurfaceLines& first, const SurfaceLines& second);
+/// Returns the visible parts of the lines of a set of a frame between two key frames, `frame.info.lines_between`.
+std::vector<HatchingLine> lines_between_keys(const HostFrame& frame, bool second_set);
 
 /// Returns the lines of a picture from the inputs of the host step, with widths.
 Strokes hatching_lines(const HostFrame& frame);

@@ -6,10 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <deque>
 
-#include "effects/hatching/hatching_strokes.h"
+#include "effects/hatching/hatching_points.h"
 
 namespace umbrage {
 namespace {
@@ -22,16 +21,11 @@ constexpr float kSeedFraction = 0.75f;        // of the distance that a seed kee
 constexpr float kAhead = 0.5f;                // of two lines that meet end to end, in spacings
 constexpr float kMinLength = 1.5f;            // of a line, in the distance of its rank, and that of rank 1
 constexpr float kMinTurnCosine = 0.7f;        // between two steps: a line does not turn by 45 degrees at once
-constexpr int kOwnSteps = 18;                 // nearby points of the same line that are no obstacle: three spacings
 constexpr int kMaxSteps = 20000;
 constexpr std::size_t kRoomSteps = 3;  // steps from one point to the next whose room is found
 constexpr float kMaxGap = 2.2f;        // between two lines, in spacings: a wider one is an edge of the surface
 
-struct Vector {
-  float x, y;
-};
-
-float dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y; }
+using Vector = HatchingLine::Point;
 
 /// The directions of a picture, and where one can go.
 class Directions {
@@ -87,61 +81,6 @@ class Directions {
   int breaks(int x, int y) const { return int(field_.breaks.row(y)[x]); }
 
   const HatchingField& field_;
-};
-
-/// The points of all lines, by cells of one spacing.
-class Points {
- public:
-  Points(int width, int height, float cell_px)
-      : cell_(cell_px),
-        columns_(int(float(width) / cell_px) + 1),
-        rows_(int(float(height) / cell_px) + 1),
-        cells_(std::size_t(columns_) * std::size_t(rows_)) {}
-
-  void add(Point p, int line, int step) { cells_[index(column(p.x), row(p.y))].push_back({p, line, step}); }
-  /// Removes the point that was added last among those of its cell.
-  void remove_last(Point p) { cells_[index(column(p.x), row(p.y))].pop_back(); }
-
-  /// Returns whether a point is nearer than `distance`, and along the direction nearer than `ahead`, except those of
-  /// the line itself near the step.
-  bool is_near(Point p, float distance, Vector direction, float ahead, int line, int step) const {
-    const int left = column(p.x - distance), right = column(p.x + distance);
-    const int top = row(p.y - distance), bottom = row(p.y + distance);
-    for (int r = top; r <= bottom; ++r)
-      for (int c = left; c <= right; ++c)
-        for (const Entry& e : cells_[index(c, r)]) {
-          if (e.line == line && std::abs(e.step - step) < kOwnSteps) continue;
-          const float dx = e.at.x - p.x, dy = e.at.y - p.y;
-          if (dx * dx + dy * dy < distance * distance && std::abs(dot({dx, dy}, direction)) < ahead) return true;
-        }
-    return false;
-  }
-
-  /// Calls `visit(line, step, side)` with points of other lines beside a point; `side` is their distance to the right
-  /// of the direction. Those within `max` are among them.
-  template <class Visit>
-  void for_points_beside(Point p, float max, Vector direction, float ahead, int line, const Visit& visit) const {
-    for (int r = row(p.y - max); r <= row(p.y + max); ++r)
-      for (int c = column(p.x - max); c <= column(p.x + max); ++c)
-        for (const Entry& e : cells_[index(c, r)]) {
-          const Vector way = {e.at.x - p.x, e.at.y - p.y};
-          if (e.line != line && std::abs(dot(way, direction)) <= ahead)
-            visit(e.line, e.step, dot(way, {-direction.y, direction.x}));
-        }
-  }
-
- private:
-  struct Entry {
-    Point at;
-    int line, step;
-  };
-  int column(float x) const { return std::clamp(int(x / cell_), 0, columns_ - 1); }
-  int row(float y) const { return std::clamp(int(y / cell_), 0, rows_ - 1); }
-  std::size_t index(int c, int r) const { return std::size_t(r) * std::size_t(columns_) + std::size_t(c); }
-
-  float cell_;
-  int columns_, rows_;
-  std::vector<std::vector<Entry>> cells_;
 };
 
 class Tracer {
@@ -217,7 +156,7 @@ class Tracer {
       points_.remove_last(seed);
       return;
     }
-    HatchingLine added{rank, free_start, free_end, {before.rbegin(), before.rend()}, {}, {}};
+    HatchingLine added{rank, free_start, free_end, {before.rbegin(), before.rend()}, {}, {}, {}, {}};
     seeds_.push_back(int(before.size()));
     added.points.push_back(seed);
     added.points.insert(added.points.end(), after.begin(), after.end());
@@ -246,7 +185,7 @@ class Tracer {
   }
 
   Directions directions_;
-  Points points_;
+  HatchingPoints points_;
   float spacing_, step_, distance_ = 0.0f;
   std::vector<HatchingLine> lines_;
   std::vector<int> seeds_;  // of each line, the index of the point from which it was traced

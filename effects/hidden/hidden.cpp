@@ -61,7 +61,7 @@ void fill_hidden(const HiddenParams& params, const PictureInfo& info, HiddenCons
       .scale = height / kUnitHeight};
 }
 
-bool is_drawn(const ParameterBytes& bytes) { return as<HiddenParams>(bytes).draw != 0; }
+bool draws_hidden(const ParameterBytes& bytes) { return as<HiddenParams>(bytes).draw != 0; }
 
 /// Returns the number of layers to capture. A closed occluder in front moves a surface back by two layers.
 int layers_for(const ParameterBytes& bytes) {
@@ -87,7 +87,7 @@ Effect effect_hidden() {
                                                       .outputs = {"outline"},
                                                       .host = add_traced<hidden_lines>,
                                                       .trace = hidden_lines,
-                                                      .needed = is_drawn}}});
+                                                      .needed = draws_hidden}}});
 }
 
 }  // namespace umbrage
