@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/lists.h"
 #include "core/rows.h"
 #include "gbuffers/conventions.h"
 
@@ -82,9 +83,6 @@ Result<SequenceStart> SteadyShading::begin(int number, const GBufferFile& file) 
 Result<std::shared_ptr<SteadyShading::Loaded>> SteadyShading::read(int at) {
   const auto file = frames_.open(frames_.numbers[std::size_t(at)], start_.conventions.get());
   if (!file) return file.error();
-  if (file->info().width != width_ || file->info().height != height_)
-    return file_error("it has {} x {} pixels, and the first frame {} x {}", file->info().width, file->info().height,
-                      width_, height_);
   auto planes = file->rows({0, height_});
   auto stored = file->stored_motion();
   if (!planes || !stored) return planes ? stored.error() : planes.error();
@@ -102,9 +100,15 @@ std::shared_ptr<SteadyShading::Loaded> SteadyShading::loaded(int at) {
   if (at < 0 || at >= int(frames_.numbers.size())) return nullptr;
   if (const auto known = loaded_.find(at); known != loaded_.end()) return known->second;
   auto made = read(at);
-  if (!made)
-    frames_.warn(
-        fmt::format("frame {} is not joined with others: {}", frames_.numbers[std::size_t(at)], made.error().message));
+  const int number = frames_.numbers[std::size_t(at)];
+  std::string why;
+  if (!made && !contains(frames_.shaded, number)) why = made.error().message;
+  if (made && ((*made)->flow.depth.width != width_ || (*made)->flow.depth.height != height_)) {
+    why = fmt::format("it has {} x {} pixels, and the first frame {} x {}", (*made)->flow.depth.width,
+                      (*made)->flow.depth.height, width_, height_);
+    made = file_error("{}", why);
+  }
+  if (!why.empty()) frames_.warn(fmt::format("frame {} is not joined with others: {}", number, why));
   return loaded_[at] = made ? *made : nullptr;
 }
 

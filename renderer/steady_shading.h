@@ -19,6 +19,7 @@ namespace umbrage {
 /// The files of a sequence.
 struct ShadedFrames {
   std::vector<int> numbers;  ///< of all frames that have files, ascending
+  std::vector<int> shaded;   ///< those to shade: shading them reports what cannot be read
   /// Opens the files of a frame. `first`: as for GBufferFile::open.
   std::function<Result<GBufferFile>(int number, const Conventions* first)> open;
   std::function<void(const std::string& sentence)> warn;

@@ -137,6 +137,7 @@ struct ShadeSequence {
   FactPrinter printer;
   std::unique_ptr<Video> video = nullptr;           ///< if not null, receives the frames in place of files
   std::vector<int> numbers = {};                    ///< of all frames that have files, also beside those to make
+  std::vector<int> shaded = {};                     ///< of those to make
   std::unique_ptr<SteadyShading> steady = nullptr;  ///< if not null, joins frames
 };
 
@@ -176,7 +177,7 @@ Result<std::optional<SequenceStart>> begin_joining(ShadeSequence& all, const Fra
         task.wipe_progress);
   if (reach == 0) return none;
   all.printer.print(*file, task.wipe_progress);
-  ShadedFrames frames{.numbers = all.numbers, .open = open, .warn = {}, .reach = reach};
+  ShadedFrames frames{.numbers = all.numbers, .shaded = all.shaded, .open = open, .warn = {}, .reach = reach};
   frames.warn = [&all, wipe = task.wipe_progress](const std::string& sentence) { all.printer.warn(sentence, wipe); };
   all.steady = std::make_unique<SteadyShading>(*all.devices[0], std::move(frames));
   auto start = all.steady->begin(task.frame, *file);
@@ -276,6 +277,7 @@ Result<void> shade_sequence(ShadeOptions& o, double memory) {
   all.devices.push_back(std::move(*device));
   all.numbers = files->inputs.front().existing();
   std::erase_if(all.numbers, [&](int number) { return !has_inputs(*files, number); });
+  all.shaded = sequence->own;
   if (video) {
     auto begun = Video::begin(o.output, video_settings(o, 0, 0));
     if (!begun) return begun.error();
