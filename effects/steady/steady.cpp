@@ -8,6 +8,7 @@
 #include "core/effect.h"
 #include "kernels/steady_ao.h"
 #include "kernels/steady_ao_rays.h"
+#include "kernels/steady_change.h"
 #include "kernels/steady_light.h"
 #include "kernels/steady_light_rays.h"
 #include "kernels/steady_there.h"
@@ -26,8 +27,8 @@ const std::vector<Parameter> kSteadyTable = {
              "max distance of a pixel from another's plane at which both show one surface"),
     real_row("angle", &SteadyParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
              "max angle between normals at which pixels of two frames fit fully"),
-    real_row("change", &SteadyParams::change, {.initial = 0.03, .min = 0.001, .max = 1},
-             "max change of occlusion with which a frame counts fully, if planes tell the motion"),
+    real_row("change", &SteadyParams::change, {.initial = 0.02, .min = 0.001, .max = 1},
+             "max change of occlusion around a pixel with which a frame counts fully, if planes tell the motion"),
 };
 
 void fill_steady(const SteadyParams& params, const PictureInfo& info, SteadyConstants& c) {
@@ -52,6 +53,8 @@ void fill_steady(const SteadyParams& params, const PictureInfo& info, SteadyCons
   c.ray_offset_y = other.camera.top;
 }
 
+bool scene_moves(const ParameterBytes& bytes) { return as<SteadyParams>(bytes).motion == kMotionOfPlanes; }
+
 bool only_camera_moves(const ParameterBytes& bytes) { return as<SteadyParams>(bytes).motion == kMotionOfCamera; }
 
 template <bool light, bool rays>
@@ -64,9 +67,9 @@ bool joins(const ParameterBytes& bytes) {
 template <bool light, bool rays>
 Dispatch join_dispatch(std::string_view name, const Kernel& kernel) {
   std::vector<std::string_view> outputs = {"ao", "steady_weight"};
-  std::vector<std::string_view> inputs = {"depth",       "normal.x",       "normal.y",       "normal.z",
-                                          "other_depth", "other_normal.x", "other_normal.y", "other_normal.z",
-                                          "other_ao",    "there.x",        "there.y",        "there.z"};
+  std::vector<std::string_view> inputs = {
+      "depth",          "normal.x", "normal.y", "normal.z", "other_depth", "other_normal.x", "other_normal.y",
+      "other_normal.z", "other_ao", "there.x",  "there.y",  "there.z",     "steady_change"};
   if (light) outputs.insert(outputs.end(), {"indirect.r", "indirect.g", "indirect.b"});
   if (light) inputs.insert(inputs.end(), {"other_indirect.r", "other_indirect.g", "other_indirect.b"});
   if (rays) outputs.emplace_back("traced_confidence"), inputs.emplace_back("other_traced_confidence");
@@ -82,12 +85,21 @@ Effect effect_steady() {
       {.name = "steady",
        .summary = "join the occlusion and indirect light of neighbouring frames of a sequence, along surfaces",
        .variants = {"", "light=on", "weight=rays"},
-       .neutral = {{"other_depth", 0.0f}, {"steady_weight", 1.0f}, {"there", 0.0f}, {"traced_confidence", 0.5f}},
+       .neutral = {{"other_depth", 0.0f},
+                   {"steady_weight", 1.0f},
+                   {"there", 0.0f},
+                   {"steady_change", 0.0f},
+                   {"traced_confidence", 0.5f}},
        .dispatches = {{.name = "there",
                        .inputs = {"depth"},
                        .outputs = {"there.x", "there.y", "there.z"},
                        .kernel = steady_there_kernel(),
                        .needed = only_camera_moves},
+                      {.name = "change",
+                       .inputs = {"depth", "ao", "other_ao", "there.x", "there.y", "there.z"},
+                       .outputs = {"steady_change"},
+                       .kernel = steady_change_kernel(),
+                       .needed = scene_moves},
                       join_dispatch<false, false>("ao", steady_ao_kernel()),
                       join_dispatch<true, false>("light", steady_light_kernel()),
                       join_dispatch<false, true>("ao_rays", steady_ao_rays_kernel()),

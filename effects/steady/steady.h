@@ -19,6 +19,9 @@ const int kSteadyEqual = 0, kSteadyRays = 1;
 // Values of SteadyParams::motion.
 const int kMotionOfCamera = 0, kMotionOfPlanes = 1;
 
+// Value of the plane steady_change where a surface point is not in the other frame.
+const float kSteadyUnknown = 1e3f;
+
 struct SteadyConstants {
   int begin;         // as in SteadyParams
   int usable;        // 1 if both cameras have the same projection, otherwise 0

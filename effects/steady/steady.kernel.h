@@ -22,6 +22,11 @@ INOUT_COLOR(indirect)
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_VECTOR(there)
+IN_REAL(steady_change)
+
+// Taps to each side whose mean change is compared, and their distance in pixels.
+CONST int kChangeTaps = 2;
+CONST int kChangeStep = 2;
 
 // A frame counts from this part of the bilinear weights on, fully from twice that on.
 CONST float kMinFound = 0.25f;
@@ -49,6 +54,28 @@ FN Vec3 position_there(Real column, Real row, Real depth) {
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
   return Vec3(mad(column + 0.5f, Real(C.ray_scale_x), Real(C.ray_offset_x)) * spread,
               mad(row + 0.5f, Real(C.ray_scale_y), Real(C.ray_offset_y)) * spread, -depth);
+}
+
+// Returns the weight of the other frame by the change of occlusion around, of the same surface: its mean has less noise
+// than that of a pixel.
+FN Real unchanged(Int px, Int py) {
+  if (C.less_above == 0.0f) return Real(1.0f);
+  Vec3 position = view_position(px, py, near_depth(0, 0));
+  Vec3 normal = near_normal(0, 0);
+  Real sum = Real(0.0f);
+  Real count = Real(1e-6f);
+  for (int j = -kChangeTaps * kChangeStep; j <= kChangeTaps * kChangeStep; j += kChangeStep)
+    for (int i = -kChangeTaps * kChangeStep; i <= kChangeTaps * kChangeStep; i += kChangeStep) {
+      Real change = near_steady_change(i, j);
+      Real distance = surface_distance(position, normal, view_position(px + Int(i), py + Int(j), near_depth(i, j)),
+                                       near_normal(i, j), 2.0f * C.distance);
+      Bool known = near_inside(i, j) && change < kSteadyUnknown && distance <= 1.0f;
+      sum = sum + select(known, change, Real(0.0f));
+      count = count + select(known, Real(1.0f), Real(0.0f));
+    }
+  // The standard error of the mean is larger with fewer pixels.
+  Real known_part = sqrt(count * (1.0f / float((2 * kChangeTaps + 1) * (2 * kChangeTaps + 1))));
+  return clamp(2.0f - abs(sum / count) * known_part * C.less_above, Real(0.0f), Real(1.0f));
 }
 
 FN void steady_pixel(Int px, Int py) {
@@ -98,9 +125,7 @@ FN void steady_pixel(Int px, Int py) {
       }
     // The frame counts with the mean of its rays where it is found.
     Real scale = clamp(found * (1.0f / kMinFound) - 1.0f, Real(0.0f), Real(1.0f)) / max(found, Real(1e-6f));
-    // Where occlusion differs by more than noise does, what occludes has moved.
-    Real difference = abs(change) / max(sum, Real(1e-6f));
-    scale = scale * clamp(2.0f - difference * C.less_above, Real(0.0f), Real(1.0f));
+    scale = scale * unchanged(px, py);
     Real total = mad(sum, scale, weight);
     Real share = scale / max(total, Real(1e-6f));
     own = mad(change, share, own);
