@@ -188,6 +188,15 @@ void decide_motion(Deciding& d) {
   }
   const bool is_open =
       std::any_of(pairs.begin(), pairs.end(), [](const MotionMeanings& all) { return all.size() > 1; });
+  const bool is_lost = std::any_of(pairs.begin(), pairs.end(), [](const MotionMeanings& all) { return all.empty(); });
+  if (is_lost) {
+    d.warn(
+        fmt::format("the motion vectors {} have values that no meaning allows, and are not used: `motion_kind` sets "
+                    "their meaning",
+                    name));
+    pairs.clear();
+    return;
+  }
   d.fact(fmt::format("motion: {}, {}", name, is_open ? "its meaning is decided by the frames beside" : text_of(pairs)));
 }
 

@@ -70,6 +70,15 @@ bool same_metering(const Plan& a, const Plan& b) {
 
 }  // namespace
 
+bool differ_in_camera_alone(const Plan& a, const Plan& b) {
+  if (bool(a.metered) != bool(b.metered) || a.recipe.passes != b.recipe.passes) return false;
+  if (a.metered && !same_metering(*a.metered, *b.metered)) return false;
+  Plan other = b;
+  other.camera = a.camera;
+  if (a.lit_from_camera) other.capture.lighting = a.capture.lighting;
+  return same_metering(a, other);
+}
+
 void KeptCapture::clear() {
   const long count = made;
   *this = {};

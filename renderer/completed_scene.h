@@ -45,6 +45,9 @@ struct KeptCapture {
   void clear();
 };
 
+/// Returns whether two plans of a scene differ in the camera, and in lights that follow it, alone.
+bool differ_in_camera_alone(const Plan& a, const Plan& b);
+
 /// Draws a plan of a scene as `draw`, with the kept capture if it is valid. Keeps none of averaged pictures, since
 /// captures of many samples would need too much memory. `prepare` prepares the device and is called before each
 /// capture. `capturing`: monitor of the capture. Errors: those of `draw` and of `prepare`.

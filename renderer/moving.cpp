@@ -36,7 +36,7 @@ class Placement {
       : here_(here),
         there_(there),
         orthographic_(there.camera.projection == Projection::kOrthographic),
-        turn_(there.camera.view_from_world * glm::inverse(here.camera.view_from_world)) {}
+        turn_(glm::dmat4(there.camera.view_from_world) * glm::inverse(glm::dmat4(here.camera.view_from_world))) {}
 
   /// Returns column, row and depth in the other picture of the point that pixel (x, y) shows at this depth, and that
   /// moves by `change` in world space. A depth of 0: not in front of the camera.

@@ -45,16 +45,17 @@ std::vector<std::string> soft_shadows(const Device& device, const Frame& frame) 
   return names;
 }
 
-/// Returns whether all lights of two frames are in one place of the world, but for a small part of their size.
+/// Returns whether the lights with soft shadows of two frames are in one place of the world, but for a small part of
+/// their size.
 bool share_lights(const PictureInfo& a, const PictureInfo& b) {
   constexpr float kFraction = 0.25f;
   if (a.lights.size() != b.lights.size()) return false;
-  // From one view space to the other.
-  const glm::mat4 turn = b.camera.view_from_world * glm::inverse(a.camera.view_from_world);
+  // From one view space to the other; in double precision, since scenes may be far from the origin.
+  const glm::mat4 turn(glm::dmat4(b.camera.view_from_world) * glm::inverse(glm::dmat4(a.camera.view_from_world)));
   for (std::size_t k = 0; k < a.lights.size(); ++k) {
     const Light &here = a.lights[k], &there = b.lights[k];
     if (here.kind != there.kind) return false;
-    if (!casts_visible_shadow(here)) continue;
+    if (!casts_visible_shadow(here) || light_size(here) == 0.0f) continue;
     const bool is_point = here.kind == LightKind::kPoint;
     const glm::vec3 moved = is_point ? glm::vec3(turn * glm::vec4(here.position, 1.0f)) - there.position
                                      : glm::mat3(turn) * here.direction - there.direction;
@@ -163,7 +164,7 @@ Result<void> SteadySequence::finish(Neighbour& drawn) {
   for (Frame* frame : {drawn.filtered ? &*drawn.filtered : nullptr, &drawn.frame}) {
     if (!frame) continue;
     std::vector<std::string> names = joined_planes(device_, *frame);
-    if (frame == &drawn.frame)
+    if (frame == &drawn.frame && !frames_.add_there)
       for (std::string& shadow : soft_shadows(device_, *frame)) names.push_back(std::move(shadow));
     auto planes = device_.download_with_guard(*frame, names);
     if (!planes) return planes.error();
@@ -221,6 +222,7 @@ Result<Frame> SteadySequence::joined(int frame, const Frame& own, const Others& 
 }
 
 Result<void> SteadySequence::join_shadows(int frame, Frame& branch, const ProgressMonitor& monitor) {
+  if (frames_.recipe.capture.shadow_rays == 0) return {};  // they have no noise
   if (frames_.add_there) return {};  // shadows move otherwise than the surfaces on which they fall
   const std::vector<std::string> shadows = soft_shadows(device_, branch);
   Others sharing;

@@ -119,12 +119,12 @@ bool SteadyShading::are_equal(int at, int other) {
 }
 
 int SteadyShading::first_of(int at) {
-  while (at > 0 && are_equal(at - 1, at)) --at;
+  while (at > 0 && are_equal(at - 1, at)) loaded_.erase(at--);  // only the first one is used
   return at;
 }
 
 int SteadyShading::last_of(int at) {
-  while (at + 1 < int(frames_.numbers.size()) && are_equal(at, at + 1)) ++at;
+  while (at + 1 < int(frames_.numbers.size()) && are_equal(at, at + 1)) loaded_.erase(++at);
   return at;
 }
 
@@ -143,8 +143,7 @@ const SteadyShading::Link* SteadyShading::link(int at) {
     if (gap == 1)
       frames_.warn(
           "the frames have neither motion vectors nor the place of the camera, by which surfaces are found in the "
-          "frames "
-          "beside: they are not joined");
+          "frames beside: they are not joined");
     return nullptr;
   }
   if (is_cut(*after, here->flow.depth, next->flow.depth)) {
@@ -171,10 +170,12 @@ const SteadyShading::Way* SteadyShading::way(int at, int steps) {
   const Link& last = *link(after ? last_of(here) : here - 1);
   const Flow& step = after ? last.after : last.before;
   Way made{next, last.by_camera && (!begin || begin->by_camera), step};
+  const auto own = loaded(at), between = loaded(here), there = loaded(next);
+  if (!own || !between || !there) return nullptr;  // files may have changed
   if (made.by_camera)
-    made.flow = *camera_flow(loaded(at)->flow, loaded(next)->flow);
+    made.flow = *camera_flow(own->flow, there->flow);
   else if (begin)
-    made.flow = composed(begin->flow, step, loaded(here)->flow.depth);
+    made.flow = composed(begin->flow, step, between->flow.depth);
   return &ways_.emplace(std::pair(at, steps), std::move(made)).first->second;
 }
 

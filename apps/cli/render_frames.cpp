@@ -192,10 +192,11 @@ Result<Drawn> draw_animated(Drawing& all, int frame, StageTimes& times, TimedSam
 }
 
 /// Returns the plan of a pose, with lines that stay on surfaces.
-Result<Plan> plan_with_lines(Drawing& all, int pose, StageTimes& times) {
+Result<Plan> plan_with_lines(Drawing& all, int pose, StageTimes& times, const ProgressMonitor& monitor) {
   Plan plan = all.pose(pose);
+  const auto still = [&](double) { return !monitor || monitor(0.0); };
   if (all.key_lines)
-    if (auto done = all.key_lines->complete(pose, plan, times, {}); !done) return done.error();
+    if (auto done = all.key_lines->complete(pose, plan, times, still); !done) return done.error();
   return plan;
 }
 
@@ -207,7 +208,7 @@ Result<Drawn> draw_of_frame(Drawing& all, const FrameTask& task, StageTimes& tim
   const int pose = all.pose_of_frame.empty() ? task.frame : all.pose_of_frame[std::size_t(task.frame)];
   if (all.steady && task.writes) return all.steady->draw(pose, times, monitor, all.stops, timed.continuation());
   if (all.job.output.motion == Motion::kAnimation) return draw_animated(all, task.frame, times, timed);
-  const auto plan = task.writes ? plan_with_lines(all, pose, times) : Result<Plan>(all.pose(pose));
+  const auto plan = task.writes ? plan_with_lines(all, pose, times, monitor) : Result<Plan>(all.pose(pose));
   if (!plan) return plan.error();
   return draw(all.device, all.scene, *plan, times, monitor, all.stops, timed.continuation());
 }
@@ -313,7 +314,7 @@ void add_frame_options(CLI::App& command, RenderOptions& options) {
       ->excludes(turntable)
       ->excludes(path);
   add_number(command, "--steady", options.steady, {0, 8, NumberKind::kInteger},
-             "frames before and after each frame of a turntable or camera path whose occlusion and indirect light it "
+             "frames before and after each frame of a sequence whose occlusion, indirect light and soft shadows it "
              "shares, so that their noise does not flicker; 0: none, and each frame has lines of its own",
              "3")
       ->group(output);
@@ -364,7 +365,7 @@ Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& d
       SteadyFrames frames = frames_of_still_scene(device, scene, all.pose);
       frames.draw_rest = [&all](int pose, const Frame& technique, StageTimes& used, const ProgressMonitor& monitor,
                                 std::optional<float> stops, const Continuation& more) -> Result<Drawn> {
-        const auto of_frame = plan_with_lines(all, pose, used);
+        const auto of_frame = plan_with_lines(all, pose, used, monitor);
         if (!of_frame) return of_frame.error();
         return draw_after_technique(all.device, all.scene, *of_frame, technique, used, monitor, stops, more);
       };

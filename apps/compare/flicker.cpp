@@ -128,11 +128,14 @@ Warp::Warp(const FrameSurfaces& from, const FrameSurfaces& to)
       if (!is_counted(seen_.classes[pixel])) continue;
       const int object = target.object(x, y);
       const glm::dvec3 point = target.point(x, y), normal = target.normal(x, y), place = source.place(point, object);
-      Taps taps{int(std::floor(place.x)), int(std::floor(place.y))};
+      const bool is_near =
+          place.z > 0.0 && place.x > -1.0 && place.y > -1.0 && place.x < source.width() && place.y < source.height();
+      Taps taps;
+      if (is_near) taps.x = int(std::floor(place.x)), taps.y = int(std::floor(place.y));
       const double right = place.x - taps.x, below = place.y - taps.y;
       const double max_distance = kMaxDistancePx * source.pixel_size(place.z);
       double found = 0.0, weights[4] = {};
-      for (int k = 0; k < 4 && place.z > 0.0; ++k) {
+      for (int k = 0; k < 4 && is_near; ++k) {
         const int i = taps.x + k % 2, j = taps.y + k / 2;
         if (i < 0 || j < 0 || i >= source.width() || j >= source.height() || source.object(i, j) != object) continue;
         if (!std::isfinite(source.depth(i, j))) continue;

@@ -292,7 +292,7 @@ Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request
       !is_full_size && can_be_steady(*recipe) && !plan->averages() && moving_camera_ && *moving_camera_ != plan->camera;
   if (!is_full_size) moving_camera_ = plan->camera;
   const auto picture =
-      is_live ? draw_live(device, *recipe, *plan, control, times)
+      is_live ? draw_live(device, *plan, control, times)
               : draw_keeping(
                     *device.device, **scene, *plan, is_full_size ? capture_ : moving_capture_, times,
                     [&] { return prepare(device, control.monitor); }, control.monitor, control.monitor, more);
@@ -300,14 +300,12 @@ Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request
   return refines ? Result<void>() : give(plan->recipe, picture->frame, plan->recipe.frames, plan->averages());
 }
 
-Result<Drawn> ViewModel::draw_live(DrawingDevice& device, const Recipe& recipe, const Plan& plan,
-                                   const DrawControl& control, StageTimes& times) {
+Result<Drawn> ViewModel::draw_live(DrawingDevice& device, const Plan& plan, const DrawControl& control,
+                                   StageTimes& times) {
   constexpr int kReach = 3;
   if (auto ready = prepare(device, control.monitor); !ready) return ready.error();
-  const bool goes_on = live_ && live_->settings == recipe.settings && live_->plan.recipe.width == recipe.width &&
-                       live_->plan.recipe.height == recipe.height;
-  if (!goes_on) {
-    live_.emplace(recipe.settings, plan);
+  if (!live_ || !differ_in_camera_alone(live_->plan, plan)) {
+    live_.emplace(plan);
     SteadyFrames frames = frames_of_still_scene(*device.device, *completed_.scene, [this](int) { return live_->plan; });
     frames.reach = kReach;
     frames.count = std::numeric_limits<int>::max();

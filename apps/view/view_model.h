@@ -97,7 +97,6 @@ class ViewModel {
  private:
   /// The last frames of a camera that moves.
   struct Live {
-    EffectSettings settings;
     Plan plan;  ///< of the newest one
     int count = 0;
     std::optional<float> stops = {};
@@ -111,9 +110,8 @@ class ViewModel {
   using GiveFrame = std::function<Result<void>(const Recipe& recipe, const Frame& frame, int samples, bool averages)>;
   Result<void> draw_scene(DrawingDevice& device, const Request& request, std::span<const std::string_view> besides,
                           const DrawControl& control, StageTimes& times, const GiveFrame& give);
-  /// Draws a frame of a camera that moves, joined with those before it that have the same settings.
-  Result<Drawn> draw_live(DrawingDevice& device, const Recipe& recipe, const Plan& plan, const DrawControl& control,
-                          StageTimes& times);
+  /// Draws a frame of a camera that moves, joined with those before it that differ in the camera alone.
+  Result<Drawn> draw_live(DrawingDevice& device, const Plan& plan, const DrawControl& control, StageTimes& times);
   Result<void> shade(DrawingDevice& device, const Request& request, const DrawControl& control, StageTimes& times);
 
   std::string import_key_;

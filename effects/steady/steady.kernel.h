@@ -79,7 +79,7 @@ FN Real unchanged(Int px, Int py) {
 }
 
 FN void steady_pixel(Int px, Int py) {
-  Real own = own_ao();
+  Real own = clean_ao(own_ao());
 #if LIGHT == 1
   Vec3 light = own_indirect();
   Vec3 light_change = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
