@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/gtc/matrix_access.hpp>
 #include <glm/trigonometric.hpp>
 
@@ -12,24 +13,32 @@
 namespace umbrage {
 namespace {
 
-constexpr int kMaxFrames = 16;        // from key frame to key frame
-constexpr float kMaxTurnDeg = 12.0f;  // of the camera between them: lines of other views are too dense or too sparse
-constexpr std::size_t kKept = 4;      // entries that are kept, since threads may ask for frames out of order
+constexpr int kMaxFrames = 16;  // from key frame to key frame
+// Of the camera between them: lines of other views are too dense or too sparse. The way is a fraction of the distance
+// to the focal point.
+constexpr float kMaxTurnDeg = 12.0f, kMaxWay = 0.2f;
+constexpr std::size_t kKept = 4;  // entries that are kept, since threads may ask for frames out of order
 
-/// Returns the key frames of a sequence: evenly spaced, by frames or by the angle that the camera turns.
+/// Returns the key frames of a sequence: evenly spaced, by frames or by the motion of the camera.
 std::vector<int> key_frames(const std::function<Plan(int)>& plan, int count, bool is_closed) {
   const int end = is_closed ? count : count - 1;
   std::vector<float> way = {0.0f};  // to each frame
-  const auto direction = [&](int frame) { return glm::vec3(glm::row(plan(frame % count).camera.view_from_world, 2)); };
-  glm::vec3 before = direction(0);
-  float turn_deg = 0.0f;
+  Camera before = plan(0).camera;
+  float part = 0.0f;  // of the way between key frames
   for (int frame = 1; frame <= end; ++frame) {
     if (frame == 1 || !is_closed) {  // a closed sequence turns evenly
-      const glm::vec3 after = direction(frame);
-      turn_deg = 2.0f * glm::degrees(std::asin(std::min(0.5f * glm::length(after - before), 1.0f)));
-      before = after;
+      const Plan at = plan(frame % count);
+      const glm::vec3 turned(glm::row(at.camera.view_from_world, 2) - glm::row(before.view_from_world, 2));
+      const float turn_deg = 2.0f * glm::degrees(std::asin(std::min(0.5f * glm::length(turned), 1.0f)));
+      part = std::max(1.0f / float(kMaxFrames), turn_deg / kMaxTurnDeg);
+      if (const auto& focal = at.recipe.framing.focal_point; focal && !is_closed) {
+        const double distance = glm::length(*focal - at.origin - glm::dvec3(at.camera.eye()));
+        const double moved = glm::length(at.camera.eye() - before.eye());
+        if (distance > 0.0) part = std::max(part, float(moved / distance) / kMaxWay);
+      }
+      before = at.camera;
     }
-    way.push_back(way.back() + std::max(1.0f / float(kMaxFrames), turn_deg / kMaxTurnDeg));
+    way.push_back(way.back() + part);
   }
   const float step = way.back() / std::max(std::ceil(way.back() - 1e-3f), 1.0f);
   std::vector<int> keys = {0};

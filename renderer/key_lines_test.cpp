@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
 #include <optional>
 
 #include "core/gbuffer.h"
@@ -43,9 +44,23 @@ class Turn {
   KeyLines lines() const {
     return {*device_, [this](int frame) { return plan(frame); }, count_, true};
   }
-  Picture drawn(int frame, KeyLines* lines) const {
+  /// A camera that moves to the side, so that the first and the last of the frames do not show what is in the middle.
+  Plan plan_sideways(int frame, int count) const {
+    constexpr float kWay = 40.0f;  // scene units
+    Plan moved = first_;
+    const glm::vec3 way{kWay * (float(frame) / float(count - 1) - 0.5f), 0.0f, 0.0f};
+    moved.camera.view_from_world = glm::translate(glm::mat4(1.0f), way) * first_.camera.view_from_world;
+    return moved;
+  }
+  KeyLines sideways(int count) const {
+    return {*device_, [this, count](int frame) { return plan_sideways(frame, count); }, count, false};
+  }
+  Picture drawn_sideways(int frame, int count, KeyLines* lines) const {
+    return drawn(plan_sideways(frame, count), frame, lines);
+  }
+  Picture drawn(int frame, KeyLines* lines) const { return drawn(plan(frame), frame, lines); }
+  Picture drawn(Plan of_frame, int frame, KeyLines* lines) const {
     StageTimes times;
-    Plan of_frame = plan(frame);
     if (lines) {
       EXPECT_TRUE(lines->complete(frame, of_frame, times, {}));
     }
@@ -129,6 +144,14 @@ TEST(KeyLines, OneFrameIsASinglePicture) {
   KeyLines lines = turn.lines(), of_turn = whole.lines();
   EXPECT_TRUE(equal(turn.drawn(0, &lines), turn.drawn(0, nullptr)));
   EXPECT_FALSE(equal(whole.drawn(1, &of_turn), whole.drawn(1, nullptr)));
+}
+
+TEST(KeyLines, FramesThatKeyFramesDoNotShowHaveNewLines) {
+  const Turn turn;
+  constexpr int kFrames = 5;
+  KeyLines lines = turn.sideways(kFrames);
+  const Picture middle = turn.drawn_sideways(2, kFrames, &lines);
+  EXPECT_TRUE(equal(middle, turn.drawn_sideways(2, kFrames, nullptr)));
 }
 
 TEST(KeyLines, LinesDoNotJumpAtKeyFrames) {

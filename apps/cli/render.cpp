@@ -112,6 +112,18 @@ Result<void> choose_picture(RenderOptions& o) {
   return {};
 }
 
+/// Warns if --steady on the command line does nothing. Errors: kUsage if the picture is no sequence.
+Result<void> check_steady(const RenderOptions& o, const Output& output, const Recipe& recipe) {
+  if (o.steady == 0 || o.sequence.command->count("--steady") == 0) return {};
+  if (!output.is_moving())
+    return field_error("--steady", o.steady, "{} {} is for --turntable, --camera-path or --animate");
+  if (!recipe.is_steady)
+    print_warning(fmt::format(
+        "--steady {} joins no occlusion: the technique {} has no noise, or is averaged over several samples of a pixel",
+        o.steady, recipe.occlusion));
+  return {};
+}
+
 /// Checks the options. Errors: kUsage; kFile for a file that cannot be written.
 Result<RenderJob> make_job(const RenderOptions& o) {
   RenderJob job;
@@ -130,6 +142,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
   recipe->is_steady = output->is_moving() && o.steady > 0 && can_be_steady(*recipe);
+  if (auto checked = check_steady(o, *output, *recipe); !checked) return checked.error();
   job.steady = o.steady;
   job.requested = job.recipe = std::move(*recipe);
   const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)

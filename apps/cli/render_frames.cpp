@@ -52,6 +52,7 @@ Result<void> set_motion_of(const RenderOptions& o, const ImportSettings& setting
     if (o.models.size() > 1)
       return field_error("--animate", "", "{0} draws the animation of one model, and {2} are given", o.models.size());
     if (o.same_view) return field_error("--animate", "", "{} excludes --same-view");
+    if (o.request.animation_time) return field_error("--animate", "", "{} draws all times: leave out --animation-time");
     ImportSettings any = settings;
     any.animation_index = o.request.animation_index;
     const auto scene = load_models(o.models, o.input_format, any);

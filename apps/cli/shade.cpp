@@ -59,7 +59,8 @@ class FactPrinter {
 
  private:
   bool is_new(std::string sentence) {
-    std::erase_if(sentence, [](char c) { return c >= '0' && c <= '9'; });
+    // Sentences of several frames that differ in measured numbers are one, but not those that name a frame.
+    if (!sentence.starts_with("after frame")) std::erase_if(sentence, [](char c) { return c >= '0' && c <= '9'; });
     return printed_.insert(std::move(sentence)).second;
   }
 

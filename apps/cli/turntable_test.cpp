@@ -167,6 +167,12 @@ TEST_F(TurntableTest, ShadesVideos) {
   good("shade shot.####.exr -o half.gif --device cpu --reduction 2 --frames 0-1", path);
   EXPECT_EQ(text_of(folder_ / "half.gif").size(), 2u * 32 * 24 * 3);
   write("shot.mp4", "older");
+  good(
+      "scene:solids?detail=2000 --device cpu --resolution 80x60 --passes depth,normal,albedo -o wide.####.exr "
+      "--turntable 2");
+  fs::rename(folder_ / "wide.0001.exr", folder_ / "other.0001.exr");
+  fs::copy(folder_ / "shot.0000.exr", folder_ / "other.0000.exr");
+  bad("shade other.####.exr -o other.mp4 --device cpu --steady 0", 3, {"other.mp4", "80 x 60", "64 x 48"}, path);
   bad("shade shot.0000.exr -o shot.mp4", 2, {"shot.mp4", "####"}, path);
   bad("shade shot.####.exr -o shot.mp4 --shard 1/2", 2, {"--shard"}, path);
   bad("shade shot.####.exr -o shot.mp4 --overwrite", 2, {"--overwrite"}, path);
@@ -287,6 +293,8 @@ TEST_F(TurntableTest, AnAnimationIsASequence) {
   bad("still.gltf --animate -o all.png", 2, {"--animate", "'still.gltf' has none"});
   bad("rise.gltf --animate -o all.png --frames 9-120", 2, {"--frames 9-120", "0 to 60"});
   bad("rise.gltf --animate --same-view -o '{stem}.png'", 2, {"--animate", "--same-view"});
+  bad("rise.gltf --animate --animation-time 1 -o all.png", 2, {"--animate", "--animation-time"});
+  bad("rise.gltf --steady 3 -o one.png", 2, {"--steady 3", "--turntable"});
   bad("rise.gltf --animate -o -", 2, {"--animate", "-o -"});
   bad("rise.gltf --animate --turntable 3 -o all.png", 2, {"--animate", "--turntable"});
 }

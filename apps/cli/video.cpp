@@ -177,7 +177,8 @@ Result<void> Video::add(const Image& frame) {
     if (auto started = start(); !started) return started;
   }
   if (frame.width != settings_.width || frame.height != settings_.height)
-    return Error{ErrorKind::kInternal, "a frame and its video differ in size"};
+    return file_error("'{}' cannot be written: a frame has {} x {} pixels, and those before it {} x {}", file_.string(),
+                      frame.width, frame.height, settings_.width, settings_.height);
   const auto planes = picture_planes(file_, frame, settings_.alpha);
   if (!planes) return planes.error();
   const std::size_t channels = settings_.alpha ? 4 : 3;

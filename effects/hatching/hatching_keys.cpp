@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
-#include <utility>
 
 #include "core/gbuffer.h"
 #include "effects/hatching/hatching_points.h"
@@ -37,9 +36,6 @@ struct Key {
       *plane = {"", values.data(), frame.frame.width};
     }
   }
-  Key(const Key&) = delete;
-  Key& operator=(const Key&) = delete;
-
   std::vector<std::vector<float>> planes;
   HatchingSurfaces surfaces;
   float spacing_px = 1.0f;
@@ -194,20 +190,32 @@ SurfaceLines hatching_join(const SurfaceLines& first, const SurfaceLines& second
   return joined;
 }
 
-std::vector<HatchingLine> lines_between_keys(const HostFrame& frame, bool second_set) {
+std::optional<HatchingSets> lines_between_keys(const HostFrame& frame) {
   const LinesBetween& between = *frame.info.lines_between;
   const auto& joined = *static_cast<const Joined*>(between.lines.get());
   const HatchingSurfaces picture(frame);
-  std::vector<HatchingLine> all;
-  for (std::size_t k = 0; k < 2; ++k) {
-    const Set& set = joined.keys[k]->sets[std::size_t(second_set)];
-    const Changes& changes = joined.changes[k][std::size_t(second_set)];
+  constexpr int kStep = 12;  // pixels
+  int missing = 0;
+  for (int y = 0; y < picture.f.height; y += kStep)
+    for (int x = 0; x < picture.f.width; x += kStep) {
+      const bool is_shown = std::any_of(joined.keys.begin(), joined.keys.end(), [&](const auto& key) {
+        const auto p = key->surfaces.seen(picture.at(x, y));
+        const float scale = p ? key->surfaces.pixel_size(int(p->x), int(p->y)) / picture.pixel_size(x, y) : 0.0f;
+        return scale > 0.6f && scale < 1.7f;
+      });
+      missing += !std::isfinite(picture.depth.row(y)[x]) ? 0 : is_shown ? -1 : 2;
+    }
+  if (missing > 0) return {};
+  HatchingSets all;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Set& set = joined.keys[k % 2]->sets[k / 2];
+    const Changes& changes = joined.changes[k % 2][k / 2];
     std::vector<std::vector<HatchingLine>> parts(set.lines.size());
     tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t n) {
-      parts[n] =
-          visible_parts(picture, set.lines[n], set.at[n], changes[n], k == 0 ? between.after : 1.0f - between.after);
+      const float gone = k % 2 == 0 ? between.after : 1.0f - between.after;
+      parts[n] = visible_parts(picture, set.lines[n], set.at[n], changes[n], gone);
     });
-    for (auto& of_line : parts) std::move(of_line.begin(), of_line.end(), std::back_inserter(all));
+    for (auto& of_line : parts) std::move(of_line.begin(), of_line.end(), std::back_inserter(all[k / 2]));
   }
   return all;
 }

@@ -268,7 +268,7 @@ float hatching_width(float level, float ink, float spacing_px, float width_px) {
   return width[rank] + (level - float(rank)) * (width[rank + 1] - width[rank]);
 }
 
-std::array<std::vector<HatchingLine>, 2> traced_sets(const HostFrame& frame) {
+HatchingSets traced_sets(const HostFrame& frame) {
   const auto& c = *static_cast<const HatchingConstants*>(frame.constants);
   const HatchingField field = field_of(frame, c, false);
   HatchingSeeds seeds;
@@ -276,7 +276,7 @@ std::array<std::vector<HatchingLine>, 2> traced_sets(const HostFrame& frame) {
     const float cell_px = 0.5f * c.spacing_px * float(1 << (kHatchingRanks - 1 - rank));
     seeds[std::size_t(rank)] = seeds_of(frame, field, cell_px);
   });
-  std::array<std::vector<HatchingLine>, 2> sets;
+  HatchingSets sets;
   tbb::parallel_invoke([&] { sets[0] = trace_hatching(field, seeds); },
                        [&] {
                          if (c.cross < 1.0f) sets[1] = trace_hatching(field_of(frame, c, true), seeds);
@@ -285,11 +285,8 @@ std::array<std::vector<HatchingLine>, 2> traced_sets(const HostFrame& frame) {
 }
 
 Strokes hatching_lines(const HostFrame& frame) {
-  std::array<std::vector<HatchingLine>, 2> sets;
-  if (frame.info.lines_between)
-    sets = {lines_between_keys(frame, false), lines_between_keys(frame, true)};
-  else
-    sets = traced_sets(frame);
+  auto between = frame.info.lines_between ? lines_between_keys(frame) : std::nullopt;
+  const HatchingSets sets = between ? std::move(*between) : traced_sets(frame);
   Strokes lines, crossing;
   tbb::parallel_invoke([&] { lines = lines_of_set(frame, sets[0], false); },
                        [&] {

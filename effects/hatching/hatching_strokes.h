@@ -1,6 +1,7 @@
 // The host step of effect `hatching`: evenly spaced lines along directions, as wide as the ink that each place needs.
 #pragma once
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "core/strokes.h"
@@ -35,6 +36,7 @@ struct HatchingLine {
   float gone = 0.0f;              ///< 0: it is as at its key frame, 1: it has become that of the other one
 };
 inline constexpr int kHatchingRanks = 3;
+using HatchingSets = std::array<std::vector<HatchingLine>, 2>;
 using HatchingSeeds = std::array<std::vector<HatchingLine::Point>, kHatchingRanks>;
 
 /// Returns lines that are evenly spaced over all surfaces [Jobard and Lefer 1997], the wide ranks first. `seeds`:
@@ -47,13 +49,14 @@ float hatching_width(float level, float ink, float spacing_px, float width_px);
 
 /// Returns the lines of both sets of a picture, the second of which crosses the first, from the inputs of the host step
 /// that do not depend on light.
-std::array<std::vector<HatchingLine>, 2> traced_sets(const HostFrame& frame);
+HatchingSets traced_sets(const HostFrame& frame);
 
 /// Implement KeySteps.
 SurfaceLines hatching_key(const HostFrame& frame);
 SurfaceLines hatching_join(const SurfaceLines& first, const SurfaceLines& second);
-/// Returns the visible parts of the lines of a set of a frame between two key frames, `frame.info.lines_between`.
-std::vector<HatchingLine> lines_between_keys(const HostFrame& frame, bool second_set);
+/// Returns the visible parts of the lines of a frame between two key frames, `frame.info.lines_between`; nothing if
+/// these do not show two thirds of its surfaces, or much smaller or larger.
+std::optional<HatchingSets> lines_between_keys(const HostFrame& frame);
 
 /// Returns the lines of a picture from the inputs of the host step, with widths.
 Strokes hatching_lines(const HostFrame& frame);
