@@ -118,9 +118,12 @@ Result<void> check_steady(const RenderOptions& o, const Output& output, const Re
   if (!output.is_moving())
     return field_error("--steady", o.steady, "{} {} is for --turntable, --camera-path or --animate");
   if (!recipe.is_steady)
-    print_warning(fmt::format(
-        "--steady {} joins no occlusion: the technique {} has no noise, or is averaged over several samples of a pixel",
-        o.steady, recipe.occlusion));
+    print_warning(fmt::format("--steady {} joins no occlusion: {}", o.steady,
+                              !find_effect(recipe.occlusion)
+                                  ? "the picture has none"
+                                  : fmt::format("the technique {} has no noise, or is averaged over several samples of "
+                                                "a pixel",
+                                                recipe.occlusion)));
   return {};
 }
 

@@ -4,6 +4,8 @@
 IN_REAL(depth)
 OUT_VECTOR(there)
 
+CONST float kMaxPlace = 1e9f;
+
 FN Real sum_there(Vec3 p, float x, float y, float z, float w) {
   return mad(p.x, Real(x), mad(p.y, Real(y), mad(p.z, Real(z), Real(w))));
 }
@@ -16,7 +18,10 @@ FN void steady_there_pixel(Int px, Int py) {
   Real spread = F.orthographic != 0 ? Real(1.0f) : 1.0f / select(visible, away, Real(1.0f));
   Real x = sum_there(p, C.x[0], C.x[1], C.x[2], C.x[3]) * spread;
   Real y = sum_there(p, C.y[0], C.y[1], C.y[2], C.y[3]) * spread;
-  store_there(Vec3((x - C.ray_offset_x) * Real(1.0f / C.ray_scale_x) - 0.5f,
-                   (y - C.ray_offset_y) * Real(1.0f / C.ray_scale_y) - 0.5f,
+  Real column = (x - C.ray_offset_x) * Real(1.0f / C.ray_scale_x) - 0.5f;
+  Real row = (y - C.ray_offset_y) * Real(1.0f / C.ray_scale_y) - 0.5f;
+  // Not for places far outside, whose rounding is undefined.
+  visible = visible && abs(column) < kMaxPlace && abs(row) < kMaxPlace && away < kMaxPlace * kMaxPlace;
+  store_there(Vec3(select(visible, column, Real(0.0f)), select(visible, row, Real(0.0f)),
                    select(visible, away * float(C.usable), Real(0.0f))));
 }
