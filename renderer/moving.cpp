@@ -64,23 +64,33 @@ struct Kept {
   PictureInfo info;
   std::vector<MeshPoint> points;  ///< of its pixels, row by row
   Positions positions;
+  Plane depth;
+
+  const MeshPoint& point(int x, int y) const {
+    return points[std::size_t(y) * std::size_t(info.width) + std::size_t(x)];
+  }
 };
 
 class MovingScene {
  public:
-  MovingScene(Device& device, std::function<Result<MovingFrame>(int)> frame)
-      : device_(device), frame_(std::move(frame)) {}
+  MovingScene(Device& device, int reach, std::function<Result<MovingFrame>(int)> frame)
+      : device_(device), reach_(reach), frame_(std::move(frame)) {}
 
   Result<Frame> draw_technique(int frame, StageTimes& times, const ProgressMonitor& monitor) {
     auto moved = frame_(frame);
     if (!moved) return moved.error();
-    Kept& kept = kept_[frame] = {std::move(moved->scene), std::move(moved->plan), {}, {}, {}};
+    Kept& kept = kept_[frame] = {std::move(moved->scene), std::move(moved->plan), {}, {}, {}, {}};
     for (const Mesh& mesh : kept.scene->meshes) kept.positions.push_back(mesh.positions);
     if (auto ready = prepare(kept, monitor); !ready) return ready.error();
     times.done("prepare");
     auto drawn = umbrage::draw_technique(device_, *kept.scene, kept.plan, times, monitor);
     if (!drawn) return drawn;
     kept.info = drawn->info;
+    Frame whole = *drawn;
+    whole.info.guard = 0;
+    auto depth = device_.download(whole, {"depth"});
+    if (!depth) return depth.error();
+    kept.depth = std::move(depth->planes[0]);
     if (auto found = find_points(kept, monitor); !found) return found.error();
     times.done("motion");
     return drawn;
@@ -98,28 +108,15 @@ class MovingScene {
   }
 
   Result<void> add_there(int frame, int other, Frame& branch) const {
-    const Kept &here = kept_.at(frame), &there = kept_.at(other);
-    const PictureInfo& info = here.info;
-    Image image(info.width, info.height);
-    for (const char* name : {"there.x", "there.y", "there.z"}) image.add(name) = Plane(info.width, info.height, 0.0f);
-    if (there.info.camera.projection != info.camera.projection) return device_.add(std::move(image), branch);
-    Frame whole = branch;
-    whole.info.guard = 0;
-    const auto depth = device_.view(whole, {"depth"});
-    if (!depth) return depth.error();
-    const Placement placement(info, there.info);
-    const std::vector<Mesh>& meshes = here.scene->meshes;
+    const Kept& here = kept_.at(frame);
+    Image image(here.info.width, here.info.height);
+    for (const char* name : {"there.x", "there.y", "there.z"}) image.add(name) = Plane(image.width, image.height, 0.0f);
     tbb::task_arena arena(device_.threads());
     arena.execute([&] {
-      tbb::parallel_for(0, info.height, [&](int y) {
-        for (int x = 0; x < info.width; ++x) {
-          const MeshPoint& point = here.points[std::size_t(y) * std::size_t(info.width) + std::size_t(x)];
-          if (!point.is_known || point.mesh >= there.positions.size()) continue;
-          const Mesh& mesh = meshes[point.mesh];
-          const std::vector<glm::vec3>& moved = there.positions[point.mesh];
-          if (mesh.positions.size() != moved.size()) continue;
-          const glm::vec3 change = position_of(point, mesh, moved) - position_of(point, mesh, mesh.positions);
-          const glm::vec3 place = placement.of(x, y, depth->planes[0].at(x, y), change);
+      tbb::parallel_for(0, image.height, [&](int y) {
+        for (int x = 0; x < image.width; ++x) {
+          if (!here.point(x, y).is_known || is_covered(frame, x, y)) continue;
+          const glm::vec3 place = place_in(here, kept_.at(other), x, y);
           for (int k = 0; k < 3; ++k) image.planes[std::size_t(k)].at(x, y) = place[k];
         }
       });
@@ -130,6 +127,36 @@ class MovingScene {
   void release(int frame) { kept_.erase(frame); }
 
  private:
+  /// Returns where a frame shows the surface point of a pixel of another one: as Placement::of.
+  static glm::vec3 place_in(const Kept& here, const Kept& there, int x, int y) {
+    const MeshPoint& point = here.point(x, y);
+    if (there.info.camera.projection != here.info.camera.projection || point.mesh >= there.positions.size())
+      return glm::vec3(0.0f);
+    const Mesh& mesh = here.scene->meshes[point.mesh];
+    const std::vector<glm::vec3>& moved = there.positions[point.mesh];
+    if (mesh.positions.size() != moved.size()) return glm::vec3(0.0f);
+    const glm::vec3 change = position_of(point, mesh, moved) - position_of(point, mesh, mesh.positions);
+    return Placement(here.info, there.info).of(x, y, here.depth.at(x, y), change);
+  }
+
+  /// Returns whether another mesh covers the surface point of a pixel in a frame of the window: occlusion is another
+  /// there, and changes fast.
+  bool is_covered(int frame, int x, int y) const {
+    constexpr float kInFront = 0.99f;
+    const Kept& here = kept_.at(frame);
+    for (auto at = kept_.lower_bound(frame - reach_); at != kept_.end() && at->first <= frame + reach_; ++at) {
+      const Kept& there = at->second;
+      const glm::vec3 place = place_in(here, there, x, y);
+      if (!(place.z > 0.0f && place.x >= 0.0f && place.y >= 0.0f && place.x < float(there.info.width - 1) &&
+            place.y < float(there.info.height - 1)))
+        continue;
+      const int column = int(place.x + 0.5f), row = int(place.y + 0.5f);
+      if (there.depth.at(column, row) < kInFront * place.z && there.point(column, row).mesh != here.point(x, y).mesh)
+        return true;
+    }
+    return false;
+  }
+
   /// Prepares the device for a frame.
   Result<void> prepare(const Kept& kept, const ProgressMonitor& monitor) {
     if (prepared_ == kept.scene) return {};
@@ -153,6 +180,7 @@ class MovingScene {
   }
 
   Device& device_;
+  const int reach_;
   const std::function<Result<MovingFrame>(int)> frame_;
   std::map<int, Kept> kept_;
   std::shared_ptr<const Scene> prepared_;
@@ -160,10 +188,11 @@ class MovingScene {
 
 }  // namespace
 
-SteadyFrames frames_of_moving_scene(Device& device, Recipe recipe,
+SteadyFrames frames_of_moving_scene(Device& device, Recipe recipe, int reach,
                                     std::function<Result<MovingFrame>(int frame)> frame) {
-  const auto scene = std::make_shared<MovingScene>(device, std::move(frame));
+  const auto scene = std::make_shared<MovingScene>(device, reach, std::move(frame));
   SteadyFrames frames;
+  frames.reach = reach;
   frames.recipe = std::move(recipe);
   frames.draw_technique = std::bind_front(&MovingScene::draw_technique, scene);
   frames.draw_rest = std::bind_front(&MovingScene::draw_rest, scene);

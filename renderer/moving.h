@@ -14,9 +14,12 @@ struct MovingFrame {
   Plan plan;  ///< all frames have one recipe
 };
 
-/// Returns the frames of a moving scene. `frame` returns a frame, for which the device is not prepared. Meshes of two
-/// frames with as many vertices are one mesh that has moved; others are not joined, nor are shadows. The device must
-/// outlive the functions.
-SteadyFrames frames_of_moving_scene(Device& device, Recipe recipe, std::function<Result<MovingFrame>(int frame)> frame);
+/// Returns the frames of a moving scene, joined with `reach` frames before and after. `frame` returns a frame, for
+/// which the device is not prepared. Meshes of two frames with as many vertices are one mesh that has moved; others are
+/// not joined, nor are shadows, nor surfaces that something covers in one of the frames. All frames should have the
+/// same noise: then nothing changes where nothing moves, and what moves passes over the noise of other pixels. The
+/// device must outlive the functions.
+SteadyFrames frames_of_moving_scene(Device& device, Recipe recipe, int reach,
+                                    std::function<Result<MovingFrame>(int frame)> frame);
 
 }  // namespace umbrage

@@ -33,8 +33,7 @@ class MovingSolid {
   }
 
   SteadySequence sequence(int reach) {
-    SteadyFrames frames = frames_of_moving_scene(*device_, recipe_, [this](int frame) { return moved(frame); });
-    frames.reach = reach;
+    SteadyFrames frames = frames_of_moving_scene(*device_, recipe_, reach, [this](int frame) { return moved(frame); });
     frames.count = kFrames;
     return {*device_, std::move(frames)};
   }
@@ -64,7 +63,6 @@ class MovingSolid {
     const glm::vec3 right = glm::row(plan->camera.view_from_world, 0);
     for (glm::vec3& position : scene.meshes[kMoving].positions)
       position += right * (pixel * float(kStep * (frame - kFrames / 2)));
-    plan->first_noise += frame;
     return MovingFrame{std::make_shared<const Scene>(std::move(scene)), std::move(*plan)};
   }
 

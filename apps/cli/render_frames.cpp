@@ -144,11 +144,6 @@ std::vector<int> find_poses(const RenderOptions& o, const Output& output, const 
   return pose_of_frame;
 }
 
-/// Returns by how much the noise index grows from frame to frame, so that no frame repeats the noise of another.
-int noise_stride(const RenderOptions& o, const Recipe& recipe) {
-  return o.time_s > 0.0 ? kMaxProgressiveSamples : recipe.frames;
-}
-
 /// Returns what returns the plan of a pose of a turntable or camera path. `first`: the plan of pose 0.
 std::function<Plan(int pose)> poses_of(const RenderOptions& o, const RenderJob& job, const Scene& scene, Plan first,
                                        std::vector<Framing> path) {
@@ -158,7 +153,8 @@ std::function<Plan(int pose)> poses_of(const RenderOptions& o, const RenderJob& 
     return turns ? turned(plan, scene, kWholeTurnDeg * float(pose) / float(count))
                  : seen_from(plan, scene, path[std::size_t(pose)]);
   };
-  const int stride = noise_stride(o, first.recipe);
+  // No frame repeats the noise of another.
+  const int stride = o.time_s > 0.0 ? kMaxProgressiveSamples : first.recipe.frames;
   return plans_of_sequence(std::move(first), stride, pose_of);
 }
 
@@ -177,7 +173,6 @@ Result<MovingFrame> animated_frame(const RenderOptions& o, const RenderJob& job,
   const auto scene = std::make_shared<const Scene>(std::move(*loaded));
   auto plan = make_plan(recipe, *scene, threads);
   if (!plan) return plan.error();
-  if (recipe.is_steady) plan->first_noise += frame * noise_stride(o, recipe);
   return MovingFrame{scene, std::move(*plan)};
 }
 
@@ -377,11 +372,10 @@ Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& d
     }
   }
   if (job.output.motion == Motion::kAnimation && job.recipe.is_steady) {
-    SteadyFrames frames =
-        frames_of_moving_scene(device, plan.recipe, [&o, &job, lighting = *plan.capture.lighting, &device](int frame) {
-          return animated_frame(o, job, lighting, device.threads(), frame);
-        });
-    frames.reach = job.steady;
+    SteadyFrames frames = frames_of_moving_scene(device, plan.recipe, job.steady,
+                                                 [&o, &job, lighting = *plan.capture.lighting, &device](int frame) {
+                                                   return animated_frame(o, job, lighting, device.threads(), frame);
+                                                 });
     frames.count = job.output.count;
     all.steady.emplace(device, std::move(frames));
   }

@@ -158,17 +158,17 @@ struct DrawnFrames {
 Result<DrawnFrames> draw_frames(Device& device, const Sequence& sequence, Plan first, int reach,
                                 std::optional<float>& stops, const std::function<bool(double)>& progress) {
   DrawnFrames result;
-  first.recipe.is_steady = reach > 0;
+  const bool moves = sequence.moving_object >= 0;
+  first.recipe.is_steady = reach > 0 && !moves;  // see frames_of_moving_scene
   const auto plans = plans_of_sequence(first, first.recipe.frames, [&](const Plan& plan, int frame) {
     return sequence.motion.pose(plan, sequence.scene, float(frame - reach));
   });
   std::optional<SteadySequence> steady;
-  const bool moves = sequence.moving_object >= 0;
   if (reach > 0) {
     const auto moving_frame = [&](int frame) -> Result<MovingFrame> {
       return MovingFrame{std::make_shared<const Scene>(sequence.scene_of(frame - reach)), plans(frame)};
     };
-    SteadyFrames frames = moves ? frames_of_moving_scene(device, first.recipe, moving_frame)
+    SteadyFrames frames = moves ? frames_of_moving_scene(device, first.recipe, reach, moving_frame)
                                 : frames_of_still_scene(device, sequence.scene, plans);
     frames.reach = reach;
     frames.count = sequence.frames + 2 * reach;
