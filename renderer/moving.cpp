@@ -1,12 +1,13 @@
 #include "renderer/moving.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <cstdint>
 #include <glm/matrix.hpp>
 #include <glm/vec4.hpp>
 #include <map>
 
+#include "core/rows.h"
 #include "reference/trace.h"
 
 namespace umbrage {
@@ -29,34 +30,6 @@ glm::vec3 position_of(const MeshPoint& point, const Mesh& mesh, const std::vecto
   return positions[i[0]] * (1.0f - point.u - point.v) + positions[i[1]] * point.u + positions[i[2]] * point.v;
 }
 
-/// Where the surface points of a picture are in another one of the moved scene: see effects/steady.
-class Placement {
- public:
-  Placement(const PictureInfo& here, const PictureInfo& there)
-      : here_(here),
-        there_(there),
-        orthographic_(there.camera.projection == Projection::kOrthographic),
-        turn_(glm::dmat4(there.camera.view_from_world) * glm::inverse(glm::dmat4(here.camera.view_from_world))) {}
-
-  /// Returns column, row and depth in the other picture of the point that pixel (x, y) shows at this depth, and that
-  /// moves by `change` in world space. A depth of 0: not in front of the camera.
-  glm::vec3 of(int x, int y, float depth, glm::vec3 change) const {
-    const float spread = orthographic_ ? 1.0f : depth;
-    const glm::vec4 seen((here_.camera.left + (float(x) + 0.5f) * here_.pixel_width()) * spread,
-                         (here_.camera.top - (float(y) + 0.5f) * here_.pixel_height()) * spread, -depth, 1.0f);
-    const glm::vec4 p = turn_ * seen + there_.camera.view_from_world * glm::vec4(change, 0.0f);
-    const float away = orthographic_ ? 1.0f : -p.z;
-    if (!(away > 0.0f)) return glm::vec3(0.0f);
-    return {(p.x / away - there_.camera.left) / there_.pixel_width() - 0.5f,
-            (there_.camera.top - p.y / away) / there_.pixel_height() - 0.5f, -p.z};
-  }
-
- private:
-  const PictureInfo &here_, &there_;
-  const bool orthographic_;
-  const glm::mat4 turn_;
-};
-
 /// A frame that was drawn up to its technique.
 struct Kept {
   std::shared_ptr<const Scene> scene;  ///< until the frame is drawn
@@ -65,10 +38,47 @@ struct Kept {
   std::vector<MeshPoint> points;  ///< of its pixels, row by row
   Positions positions;
   Plane depth;
+  std::vector<std::uint8_t> covered;  ///< of its pixels: see MovingScene::find_covered; empty: not found yet
 
-  const MeshPoint& point(int x, int y) const {
-    return points[std::size_t(y) * std::size_t(info.width) + std::size_t(x)];
+  std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(info.width) + std::size_t(x); }
+  const MeshPoint& point(int x, int y) const { return points[index(x, y)]; }
+};
+
+/// Where the surface points of a frame are in another one: see effects/steady.
+class Placement {
+ public:
+  Placement(const Kept& here, const Kept& there)
+      : here_(here),
+        there_(there),
+        orthographic_(there.info.camera.projection == Projection::kOrthographic),
+        turn_(glm::dmat4(there.info.camera.view_from_world) *
+              glm::inverse(glm::dmat4(here.info.camera.view_from_world))) {}
+
+  /// Returns column, row and depth in the other frame of the point that pixel (x, y) shows. A depth of 0: not known, or
+  /// not in front of the camera.
+  glm::vec3 of(int x, int y) const {
+    const PictureInfo &here = here_.info, &there = there_.info;
+    const MeshPoint& point = here_.point(x, y);
+    if (there.camera.projection != here.camera.projection || point.mesh >= there_.positions.size())
+      return glm::vec3(0.0f);
+    const Mesh& mesh = here_.scene->meshes[point.mesh];
+    const std::vector<glm::vec3>& moved = there_.positions[point.mesh];
+    if (mesh.positions.size() != moved.size()) return glm::vec3(0.0f);
+    const glm::vec3 change = position_of(point, mesh, moved) - position_of(point, mesh, mesh.positions);
+    const float depth = here_.depth.at(x, y), spread = orthographic_ ? 1.0f : depth;
+    const glm::vec4 seen((here.camera.left + (float(x) + 0.5f) * here.pixel_width()) * spread,
+                         (here.camera.top - (float(y) + 0.5f) * here.pixel_height()) * spread, -depth, 1.0f);
+    const glm::vec4 p = turn_ * seen + there.camera.view_from_world * glm::vec4(change, 0.0f);
+    const float away = orthographic_ ? 1.0f : -p.z;
+    if (!(away > 0.0f)) return glm::vec3(0.0f);
+    return {(p.x / away - there.camera.left) / there.pixel_width() - 0.5f,
+            (there.camera.top - p.y / away) / there.pixel_height() - 0.5f, -p.z};
   }
+
+ private:
+  const Kept &here_, &there_;
+  const bool orthographic_;
+  const glm::mat4 turn_;
 };
 
 class MovingScene {
@@ -79,16 +89,14 @@ class MovingScene {
   Result<Frame> draw_technique(int frame, StageTimes& times, const ProgressMonitor& monitor) {
     auto moved = frame_(frame);
     if (!moved) return moved.error();
-    Kept& kept = kept_[frame] = {std::move(moved->scene), std::move(moved->plan), {}, {}, {}, {}};
+    Kept& kept = kept_[frame] = {std::move(moved->scene), std::move(moved->plan), {}, {}, {}, {}, {}};
     for (const Mesh& mesh : kept.scene->meshes) kept.positions.push_back(mesh.positions);
     if (auto ready = prepare(kept, monitor); !ready) return ready.error();
     times.done("prepare");
     auto drawn = umbrage::draw_technique(device_, *kept.scene, kept.plan, times, monitor);
     if (!drawn) return drawn;
     kept.info = drawn->info;
-    Frame whole = *drawn;
-    whole.info.guard = 0;
-    auto depth = device_.download(whole, {"depth"});
+    auto depth = device_.download_with_guard(*drawn, {"depth"});
     if (!depth) return depth.error();
     kept.depth = std::move(depth->planes[0]);
     if (auto found = find_points(kept, monitor); !found) return found.error();
@@ -107,19 +115,16 @@ class MovingScene {
     return drawn;
   }
 
-  Result<void> add_there(int frame, int other, Frame& branch) const {
-    const Kept& here = kept_.at(frame);
+  Result<void> add_there(int frame, int other, Frame& branch) {
+    Kept& here = kept_.at(frame);
+    if (here.covered.empty()) find_covered(frame);
     Image image(here.info.width, here.info.height);
     for (const char* name : {"there.x", "there.y", "there.z"}) image.add(name) = Plane(image.width, image.height, 0.0f);
-    tbb::task_arena arena(device_.threads());
-    arena.execute([&] {
-      tbb::parallel_for(0, image.height, [&](int y) {
-        for (int x = 0; x < image.width; ++x) {
-          if (!here.point(x, y).is_known || is_covered(frame, x, y)) continue;
-          const glm::vec3 place = place_in(here, kept_.at(other), x, y);
-          for (int k = 0; k < 3; ++k) image.planes[std::size_t(k)].at(x, y) = place[k];
-        }
-      });
+    const Placement placement(here, kept_.at(other));
+    for_pixels(here, [&](int x, int y, std::size_t pixel) {
+      if (here.covered[pixel] != 0) return;
+      const glm::vec3 place = placement.of(x, y);
+      for (int k = 0; k < 3; ++k) image.planes[std::size_t(k)].at(x, y) = place[k];
     });
     return device_.add(std::move(image), branch);
   }
@@ -127,34 +132,38 @@ class MovingScene {
   void release(int frame) { kept_.erase(frame); }
 
  private:
-  /// Returns where a frame shows the surface point of a pixel of another one: as Placement::of.
-  static glm::vec3 place_in(const Kept& here, const Kept& there, int x, int y) {
-    const MeshPoint& point = here.point(x, y);
-    if (there.info.camera.projection != here.info.camera.projection || point.mesh >= there.positions.size())
-      return glm::vec3(0.0f);
-    const Mesh& mesh = here.scene->meshes[point.mesh];
-    const std::vector<glm::vec3>& moved = there.positions[point.mesh];
-    if (mesh.positions.size() != moved.size()) return glm::vec3(0.0f);
-    const glm::vec3 change = position_of(point, mesh, moved) - position_of(point, mesh, mesh.positions);
-    return Placement(here.info, there.info).of(x, y, here.depth.at(x, y), change);
+  /// Calls work(x, y, index) for the pixels of a frame whose points are known, in parallel.
+  template <class Work>
+  void for_pixels(const Kept& kept, const Work& work) const {
+    tbb::task_arena arena(device_.threads());
+    arena.execute([&] {
+      for_rows(0, kept.info.height, [&](int y) {
+        for (int x = 0; x < kept.info.width; ++x)
+          if (kept.point(x, y).is_known) work(x, y, kept.index(x, y));
+      });
+    });
   }
 
-  /// Returns whether another mesh covers the surface point of a pixel in a frame of the window: occlusion is another
-  /// there, and changes fast.
-  bool is_covered(int frame, int x, int y) const {
+  /// Finds the pixels whose surface points another mesh covers in a frame of the window: occlusion is another there,
+  /// and changes fast.
+  void find_covered(int frame) {
     constexpr float kInFront = 0.99f;
-    const Kept& here = kept_.at(frame);
+    Kept& here = kept_.at(frame);
+    here.covered.assign(here.points.size(), 0);
     for (auto at = kept_.lower_bound(frame - reach_); at != kept_.end() && at->first <= frame + reach_; ++at) {
       const Kept& there = at->second;
-      const glm::vec3 place = place_in(here, there, x, y);
-      if (!(place.z > 0.0f && place.x >= 0.0f && place.y >= 0.0f && place.x < float(there.info.width - 1) &&
-            place.y < float(there.info.height - 1)))
-        continue;
-      const int column = int(place.x + 0.5f), row = int(place.y + 0.5f);
-      if (there.depth.at(column, row) < kInFront * place.z && there.point(column, row).mesh != here.point(x, y).mesh)
-        return true;
+      const Placement placement(here, there);
+      for_pixels(here, [&](int x, int y, std::size_t pixel) {
+        const glm::vec3 place = placement.of(x, y);
+        if (!(place.z > 0.0f && place.x >= 0.0f && place.y >= 0.0f && place.x < float(there.info.width - 1) &&
+              place.y < float(there.info.height - 1)))
+          return;
+        const int column = int(place.x + 0.5f), row = int(place.y + 0.5f);
+        if (there.depth.at(column, row) < kInFront * place.z &&
+            there.point(column, row).mesh != here.points[pixel].mesh)
+          here.covered[pixel] = 1;
+      });
     }
-    return false;
   }
 
   /// Prepares the device for a frame.
@@ -172,11 +181,11 @@ class MovingScene {
     const auto traced = build_traced_scene(*kept.scene, device_.threads(), monitor);
     if (!traced) return traced.error();
     kept.points.resize(std::size_t(kept.info.width) * std::size_t(kept.info.height));
-    return trace_surfaces(
-        **traced, kept.info, {.threads = device_.threads()}, [&](int x, int y, const Surface& surface) {
-          kept.points[std::size_t(y) * std::size_t(kept.info.width) + std::size_t(x)] = {
-              unsigned(surface.mesh - kept.scene->meshes.data()), surface.triangle, surface.u, surface.v, true};
-        });
+    return trace_surfaces(**traced, kept.info, {.threads = device_.threads()},
+                          [&](int x, int y, const Surface& surface) {
+                            kept.points[kept.index(x, y)] = {unsigned(surface.mesh - kept.scene->meshes.data()),
+                                                             surface.triangle, surface.u, surface.v, true};
+                          });
   }
 
   Device& device_;

@@ -41,8 +41,8 @@ std::vector<std::string_view> edge_planes(const StrokeParameters& params, int la
 
 /// Returns the dispatch of an effect with lines that traces them.
 const Dispatch& tracing_dispatch(const Effect& effect);
-/// Calls `step` with that dispatch and its inputs, from a picture's planes with the guard band, in an arena of `threads`
-/// threads.
+/// Calls `step` with that dispatch and its inputs, from a picture's planes with the guard band, in an arena of
+/// `threads` threads.
 void run_tracing(const EffectStep& lines, const PictureInfo& info, const Image& planes, int threads,
                  const std::function<void(const Dispatch&, const HostFrame&)>& step);
 
