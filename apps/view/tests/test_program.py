@@ -1,6 +1,7 @@
 """The program behind the page: its end, its addresses, many states, and its memory."""
 import http.client
 import os
+import statistics
 import unittest
 import urllib.parse
 
@@ -116,13 +117,16 @@ class ProgramTest(PageTest):
         self.browser.execute_script("slow.close()")
 
     def test_frames_leave_no_memory(self):
+        """Compares medians, since what a frame at rest holds varies by 15 MB, as free blocks are reused."""
         self.browser.set_script_timeout(60 * MAX_WAIT_S)
         self.browser.execute_async_script(ORBIT, 150)
-        self.wait_for_rest()
-        before = resident_bytes(self.viewer.process.pid)
-        self.assertGreaterEqual(self.browser.execute_async_script(ORBIT, FRAMES), FRAMES)
-        self.wait_for_rest()
-        self.assertLess(resident_bytes(self.viewer.process.pid) - before, MAX_GROWTH_BYTES)
+        resident = []
+        for _ in range(6):
+            self.assertGreaterEqual(self.browser.execute_async_script(ORBIT, FRAMES // 3), FRAMES // 3)
+            self.wait_for_rest()
+            resident.append(resident_bytes(self.viewer.process.pid))
+        growth = statistics.median(resident[3:]) - statistics.median(resident[:3])  # of FRAMES frames
+        self.assertLess(growth, MAX_GROWTH_BYTES)
 
 
 class EndTest(unittest.TestCase):
