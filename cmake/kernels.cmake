@@ -97,6 +97,8 @@ function(umbrage_kernels out folder name)
       configure_file(${PROJECT_SOURCE_DIR}/cmake/kernel.comp.in ${UMBRAGE_SPIRV}/kernels/${kernel}.comp @ONLY)
       configure_file(${PROJECT_SOURCE_DIR}/cmake/kernel.h.in ${UMBRAGE_SPIRV}/kernels/${kernel}.h @ONLY)
       list(APPEND shaders ${UMBRAGE_SPIRV}/kernels/${kernel}.comp)
+      string(REPLACE ";" " " words "${macros}")
+      set_property(GLOBAL APPEND PROPERTY UMBRAGE_KERNELS "${kernel}|${entry}|${text}|${header}|${constants}|${words}")
       string(APPEND blocks "
 ${define}#define UMBRAGE_KERNEL ${kernel}
 #define UMBRAGE_KERNEL_PIXEL ${entry}_pixel

@@ -38,6 +38,7 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run);
 void add_shade(CLI::App& app, std::function<Result<void>()>& run);
 void add_view(CLI::App& app, std::function<Result<void>()>& run);
 void add_thumbnails(CLI::App& app, std::function<Result<void>()>& run);
+void add_shaders(CLI::App& app, std::function<Result<void>()>& run);
 void add_info(CLI::App& app, std::function<Result<void>()>& run);
 void add_manual(CLI::App& app, std::function<Result<void>()>& run);
 void add_list(CLI::App& app, std::function<Result<void>()>& run);

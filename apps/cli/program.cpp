@@ -179,7 +179,7 @@ std::optional<Error> foreign_command(const std::vector<std::string>& words) {
 void add_commands(CLI::App& app, std::function<Result<void>()>& command, const LabActions& actions, bool is_lab) {
   for (const AddCommand add : {add_render, add_shade, add_view, add_thumbnails}) add(app, command);
   add_lab(app, command, actions);
-  for (const AddCommand add : {add_info, add_list, add_manual}) add(app, command);
+  for (const AddCommand add : {add_shaders, add_info, add_list, add_manual}) add(app, command);
   for (CLI::App* each : app.get_subcommands({}))
     if (is_lab && !is_of_lab(each->get_name())) each->group("");  // hidden
 }
