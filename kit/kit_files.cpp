@@ -87,6 +87,25 @@ std::string c_formula(std::string formula) {
   return formula;
 }
 
+constexpr std::string_view kDepthInC = R"(
+/* The uniform block of linear_depth. */
+typedef struct DepthFrame {
+  int kind;
+  float a, b, background;
+} DepthFrame;
+
+/* Returns it for a perspective camera. `z_far` 0: infinite. `reversed`: depth is 1 at the near plane. */
+static inline DepthFrame depth_frame(float z_near, float z_far, int reversed) {
+  const float near_inverse = 1 / z_near, far_inverse = z_far > 0 ? 1 / z_far : 0;
+  DepthFrame f;
+  f.kind = 0;
+  f.a = reversed ? far_inverse : near_inverse;
+  f.b = reversed ? near_inverse - far_inverse : far_inverse - near_inverse;
+  f.background = reversed ? 0 : 1;
+  return f;
+}
+)";
+
 constexpr std::string_view kMipsInC = R"(
 /* The levels that fit into a texture of the picture's size, one below the other, and the rows of the first of them. */
 static inline int mip_rows_of(int height, int levels) {
@@ -162,8 +181,9 @@ std::string struct_text(const KitBlock& block) {
     at = offset + (field.field.is_array ? 16 : 4);
   }
   if (block.size() > at) text += fmt::format("  float pad{}[{}];\n", ++pads, (block.size() - at) / 4);
-  text += fmt::format("}} {};\n\nstatic inline {} {}(const UmbrageView* v, int round) {{\n{}  {} f = {{0}};\n",
-                      block.name, block.name, snake(block), variables(block, false), block.name);
+  text += fmt::format(
+      "}} {};\n\nstatic inline {} {}(const UmbrageView* v, int round) {{\n{}  {} f;\n  memset(&f, 0, sizeof f);\n",
+      block.name, block.name, snake(block), variables(block, false), block.name);
   for (const FrameField& field : block.fields)
     text += fmt::format("  f.{}{} = ({})({});\n", field.member, field.field.is_array ? "[0]" : "", field.field.type,
                         c_formula(field.formula));
@@ -208,6 +228,7 @@ static inline UmbrageView umbrage_reduced_view(const UmbrageView* v, int factor)
   return r;
 }
 )";
+  text += kDepthInC;
   if (uses_mips(kit)) text += kMipsInC;
   for (const KitBlock& block : kit.blocks) text += struct_text(block);
   return text;

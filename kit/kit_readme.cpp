@@ -94,7 +94,10 @@ std::string kit_readme(const Kit& kit) {
       "= (right - "
       "left) / width, `pixel_height` = (top - bottom) / height. For a camera with a vertical field of view a: top = "
       "tan(a / 2), "
-      "bottom = -top, right = top width / height, left = -right.\n",
+      "bottom = -top, right = top width / height, left = -right. Of a perspective matrix P of OpenGL, P[column][row]: "
+      "right = (1 + P[2][0]) / P[0][0], left = (P[2][0] - 1) / P[0][0], top = (1 + P[2][1]) / P[1][1], bottom = "
+      "(P[2][1] - 1) / "
+      "P[1][1].\n",
       kit.language == ShaderLanguage::kGlslEs ? "frame.js" : "frame.h");
   for (const KitBlock& block : kit.blocks) {
     text += fmt::format("\n### {}, {} bytes\n\n| offset | field | formula | |\n|---|---|---|---|\n", block.name,

@@ -65,6 +65,14 @@ Result<void> put(const fs::path& file, const std::string& text) {
   return {};
 }
 
+/// Returns the comment at the start of a shader in GLSL.
+std::string first_comment(const std::string& shader) {
+  const std::size_t begin = shader.find('\n') + 1;
+  std::size_t end = begin;
+  while (shader.compare(end, 2, "//") == 0) end = shader.find('\n', end) + 1;
+  return shader.substr(begin, end - begin);
+}
+
 /// Returns a shader in the language of the kit. `stage`: "frag" or "vert".
 Result<KitFile> translated(const KitFile& file, const char* stage, ShaderLanguage language, const fs::path& folder) {
   const std::string stem = file.name.substr(0, file.name.rfind('.'));
@@ -89,14 +97,6 @@ Result<KitFile> translated(const KitFile& file, const char* stage, ShaderLanguag
   if (language != ShaderLanguage::kSpirv) *text = first_comment(file.text) + *text;
   return KitFile{
       stem + (stage == std::string_view("vert") ? "_vertex" : "") + std::string(language_extension(language)), *text};
-}
-
-/// Returns the comment at the start of a shader in GLSL.
-std::string first_comment(const std::string& shader) {
-  const std::size_t begin = shader.find('\n') + 1;
-  std::size_t end = begin;
-  while (shader.compare(end, 2, "//") == 0) end = shader.find('\n', end) + 1;
-  return shader.substr(begin, end - begin);
 }
 
 /// Returns all files of a kit.
