@@ -12,14 +12,15 @@
 const int kLanes = 1;
 const int kListLength = 8;
 
-// The depth of the background. Distances computed from it may overflow, which the kernels allow.
+// The depth of the background, and the bound of what is finite: distances computed from that depth are above it.
 const float kFar = 3e38;
+const float kMaxFinite = 1e30;
 
 // The pixel that is computed: column and row, from the top left corner.
 ivec2 here;
 
-// Returns whether a value is neither NaN nor infinite, nor the depth of the background.
-bool is_finite(float a) { return abs(a) < kFar; }
+// Returns whether a value is neither NaN nor infinite, nor computed from the depth of the background.
+bool is_finite(float a) { return abs(a) < kMaxFinite; }
 
 // Returns a b + c, rounded once where the GPU can.
 float mad(float a, float b, float c) { return fma(a, b, c); }

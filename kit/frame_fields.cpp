@@ -20,7 +20,10 @@ constexpr double kTolerance = 2e-5;  // relative: constants are computed in sing
 struct View {
   double pixel_width = 0.0021, pixel_height = 0.0023, width = 640.0, height = 400.0, scene_radius = 1.7,
          depth_min = 2.1, depth_max = 5.3;
+  double centre_x = 0.45, centre_y = 0.57;  // of the view axis, in the width and height
   bool orthographic = false;
+  double left() const { return -centre_x * pixel_width * width; }
+  double top() const { return centre_y * pixel_height * height; }
   glm::vec3 light{0.3f, 0.8f, 0.52f};
 };
 
@@ -39,10 +42,10 @@ PictureInfo info_of(const View& view, int factor) {
   info.width = int(view.width);
   info.height = int(view.height);
   info.camera.projection = view.orthographic ? Projection::kOrthographic : Projection::kPerspective;
-  info.camera.right = float(0.5 * view.pixel_width * view.width);
-  info.camera.left = -info.camera.right;
-  info.camera.top = float(0.5 * view.pixel_height * view.height);
-  info.camera.bottom = -info.camera.top;
+  info.camera.left = float(view.left());
+  info.camera.right = float(view.left() + view.pixel_width * view.width);
+  info.camera.top = float(view.top());
+  info.camera.bottom = float(view.top() - view.pixel_height * view.height);
   info.scene_radius = float(view.scene_radius);
   info.depth_min = float(view.depth_min);
   info.depth_max = float(view.depth_max);
@@ -86,6 +89,8 @@ std::vector<View> other_views() {
     view.orthographic = k % 2 != 0;
     view.pixel_width *= 0.6 + 0.31 * k;
     view.pixel_height *= 0.5 + 0.27 * k;
+    view.centre_x += 0.07 * k;
+    view.centre_y -= 0.05 * k;
     view.width = 500.0 + 130.0 * k;
     view.height = 700.0 - 70.0 * k;
     view.scene_radius *= 0.4 + 0.9 * k;
@@ -189,8 +194,8 @@ std::string steps_text(const ValueOf& value) {
 std::string name_text(const ValueOf& value) {
   const std::pair<const char*, double (*)(const View&)> names[] = {
       {"orthographic", [](const View& view) { return view.orthographic ? 1.0 : 0.0; }},
-      {"left", [](const View& view) { return -0.5 * view.pixel_width * view.width; }},
-      {"top", [](const View& view) { return 0.5 * view.pixel_height * view.height; }},
+      {"left", [](const View& view) { return view.left(); }},
+      {"top", [](const View& view) { return view.top(); }},
       {"light_x", [](const View& view) { return double(glm::normalize(view.light).x); }},
       {"light_y", [](const View& view) { return double(glm::normalize(view.light).y); }},
       {"light_z", [](const View& view) { return double(glm::normalize(view.light).z); }},
@@ -203,11 +208,13 @@ std::string name_text(const ValueOf& value) {
   return {};
 }
 
-/// Returns the formula of a real constant: a monomial, or one times what a depth buffer's range makes of depth; or an
-/// empty text.
+/// Returns the formula of a real constant: a monomial, or one times a side of the window or what the range of a depth
+/// buffer makes of depth; or an empty text.
 std::string real_text(const ValueOf& value) {
   const std::pair<const char*, double (*)(const View&)> factors[] = {
       {"", [](const View&) { return 1.0; }},
+      {"left", [](const View& view) { return view.left(); }},
+      {"top", [](const View& view) { return view.top(); }},
       {"depth_max / (depth_max - depth_min)",
        [](const View& view) { return view.depth_max / (view.depth_max - view.depth_min); }},
       {" / (depth_max - depth_min)", [](const View& view) { return 1.0 / (view.depth_max - view.depth_min); }},

@@ -95,7 +95,10 @@ class Maker {
     std::set<std::string> members;
     for (const auto& [dispatch, round] : runs) {
       if (parts.count(dispatch)) continue;
-      ShaderParts& made = parts[dispatch] = shader_parts(kernel_text(dispatch->kernel), fields, absent, kit_.language);
+      const bool is_first_round_alone = std::none_of(
+          runs.begin(), runs.end(), [&](const auto& run) { return run.first == dispatch && run.second > 0; });
+      ShaderParts& made = parts[dispatch] =
+          shader_parts(kernel_text(dispatch->kernel), fields, absent, is_first_round_alone, kit_.language);
       members.insert(made.frame.begin(), made.frame.end());
       if (made.outputs.size() > kMaxOutputs)
         return usage_error(
@@ -212,6 +215,9 @@ class Maker {
 
   /// Whether only later rounds read what the first pass that names a plane would read: a step that runs again.
   bool is_written_later_only(const std::string& name) const {
+    if (std::none_of(kit_.passes.begin(), kit_.passes.end(),
+                     [&](const KitPass& pass) { return contains(pass.outputs, name); }))
+      return false;
     for (const KitPass& pass : kit_.passes) {
       if (!contains(pass.inputs, name) && !contains(pass.outputs, name)) continue;
       const Effect* effect = find_effect(pass.effect);

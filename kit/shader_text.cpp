@@ -195,7 +195,8 @@ std::string number_literal(const ConstantField& field, std::uint32_t bits) {
 }
 
 ShaderParts shader_parts(const KernelText& kernel, const EffectFields& fields,
-                         const std::map<std::string, float>& absent, ShaderLanguage language) {
+                         const std::map<std::string, float>& absent, bool is_first_round_alone,
+                         ShaderLanguage language) {
   const KernelItems source = kernel_items(kernel);
   std::vector<KernelItem> all;
   std::set<std::string> floats;
@@ -220,7 +221,8 @@ ShaderParts shader_parts(const KernelText& kernel, const EffectFields& fields,
       floats.insert(item.names.begin(), item.names.end());
     item.text = glsl_of(item.text, floats);
   }
-  const KnownValues known = known_values(items, fields);
+  KnownValues known = known_values(items, fields);
+  if (is_first_round_alone) known["F.round"] = 0.0;
   for (KernelItem& item : items)
     if (item.text.ends_with("}")) item.text = folded(item.text, known);
   ShaderParts parts;

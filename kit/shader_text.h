@@ -28,9 +28,10 @@ struct ShaderParts {
 };
 
 /// Returns the parts of the shader of a kernel. `absent`: planes that nothing writes, with the value that they have
-/// everywhere.
+/// everywhere. `is_first_round_alone`: it runs in round 0 only.
 ShaderParts shader_parts(const KernelText& kernel, const EffectFields& fields,
-                         const std::map<std::string, float>& absent, ShaderLanguage language);
+                         const std::map<std::string, float>& absent, bool is_first_round_alone,
+                         ShaderLanguage language);
 
 /// How a shader is written down.
 struct ShaderHead {

@@ -39,10 +39,9 @@ FN void hemisphere_sent_pixel(Int px, Int py) {
     Bool has_normal = squared > 1e-20f && squared < 1e20f;  // whether the normal is usable
     Vec3 light = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
     if (some(has_normal)) light = first_round_light(layer);
-    if (F.round == 0) {
-      store_hemisphere_facing_of(layer,
-                                 packed_normal(select(has_normal, normal, Vec3(Real(0.0f), Real(0.0f), Real(1.0f)))));
-    } else {
+    store_hemisphere_facing_of(layer,
+                               packed_normal(select(has_normal, normal, Vec3(Real(0.0f), Real(0.0f), Real(1.0f)))));
+    if (F.round > 0) {
       light = near_direct(0, 0) + near_albedo(0, 0) * near_indirect(0, 0) +
               near_ambient(0, 0) * (near_ao(0, 0) * Real(C.ambient_bounce));
     }
