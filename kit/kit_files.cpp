@@ -208,7 +208,7 @@ std::string kit_json(const Kit& kit) {
 std::string kit_header(const Kit& kit) {
   std::string text = fmt::format(
       "/* Fills the uniform blocks of {}, by Umbrage {}. MIT licence. C99 and C++. */\n#pragma once\n#include "
-      "<math.h>\n\n"
+      "<math.h>\n#include <string.h>\n\n"
       "typedef struct UmbrageView {{\n",
       fmt::join(kit.effects, ", "), project_version());
   for (const ViewField& field : kView)
