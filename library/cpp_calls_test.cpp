@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +17,8 @@
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "vulkan_support.h"
 
 namespace {
 
@@ -220,6 +223,50 @@ TEST(CppCalls, FramesDoNotReadFilesAgain) {
   EXPECT_EQ(renderer.draw(camera, again).code, 2);
   ASSERT_EQ(renderer.draw({}, again).code, 0);
   EXPECT_EQ(again.rgba, first.rgba);
+}
+
+TEST(FrameRenderer, DrawsFramesLikeRender) {
+  umb::RenderRequest request = {
+      .model = "scene:solids?detail=3000", .look = "ao", .width = 64, .height = 48, .device = "cpu"};
+  umb::Picture alone;
+  ASSERT_EQ(umb::render(request, alone).code, 0);
+  for (const char* device : {"cpu", "vulkan"}) {
+    request.device = device;
+    umb::FrameRenderer renderer;
+    umb::Picture picture;
+    EXPECT_EQ(renderer.draw({}, picture).code, 2);
+    const umb::Outcome opened = renderer.open(request);
+    if (opened.code == 4 && umbrage::test::may_lack_vulkan()) continue;
+    ASSERT_EQ(opened.code, 0) << opened.message;
+    EXPECT_EQ(renderer.device().rfind(device, 0), 0u);
+    umb::FrameCamera camera;
+    unsigned long long after_two = 0;
+    for (int k = 0; k < 8; ++k) {
+      camera.placed = k % 2 == 1;
+      camera.eye[0] = 7.0f;
+      camera.eye[2] = 3.0f;
+      ASSERT_EQ(renderer.draw(camera, picture).code, 0);
+      ASSERT_EQ(picture.rgba.size(), alone.rgba.size());
+      long far = 0;
+      for (std::size_t i = 0; i < alone.rgba.size(); ++i)
+        far += std::fabs(picture.rgba[i] - alone.rgba[i]) > 2.0f / 255;
+      if (camera.placed)
+        EXPECT_GT(far, 1000) << device;
+      else
+        EXPECT_LE(far, long(alone.rgba.size()) / 500) << device;
+      if (k == 1) after_two = renderer.device_bytes();
+    }
+    EXPECT_EQ(renderer.device_bytes(), after_two);
+    EXPECT_EQ(after_two > 0, std::string(device) == "vulkan");
+    camera.placed = true;
+    camera.angle_deg = 0.0f;
+    EXPECT_EQ(renderer.draw(camera, picture).code, 2);
+    EXPECT_EQ(renderer.open({.model = "missing.obj", .device = device}).code, 3);
+    EXPECT_EQ(renderer.draw({}, picture).code, 0);  // the open scene remains
+  }
+  umb::FrameRenderer renderer;
+  request.device = "vulcan";
+  EXPECT_EQ(renderer.open(request).code, 2);
 }
 
 TEST(CppCalls, LargeIdsAreReturnedExactly) {

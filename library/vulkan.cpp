@@ -101,7 +101,23 @@ bool is_set(const float (&m)[9]) {
   return std::any_of(std::begin(m), std::end(m), [](float v) { return v != 0.0f; });
 }
 
-Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVulkanWork& request) {
+/// Returns an error if the work cannot be recorded into a command buffer.
+Result<void> check_recordable(const std::vector<const Effect*>& work, const EffectSettings& settings,
+                              const PictureInfo& info) {
+  for (const Effect* effect : work)
+    for (const auto& [dispatch, round] :
+         dispatches_in_order(*effect, params_of(settings, effect->name), info, PixelSet::kAll)) {
+      if (dispatch->rays) return usage_error("{} traces rays through a model: it cannot be recorded", effect->name);
+      if (dispatch->host)
+        return usage_error("{} also runs on the host: it cannot be recorded into a command buffer, only submitted",
+                           effect->name);
+    }
+  return {};
+}
+
+/// Submits the work; or, if `commands` is not null, records it there.
+Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVulkanWork& request,
+                          VkCommandBuffer commands, int slot) {
   const Lens lens = lens_of(g);
   if (auto status = check(g, lens); !status) return status;
   if ((!request.effects && request.effect_count > 0) || (!request.settings && request.setting_count > 0) ||
@@ -117,7 +133,13 @@ Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVu
   if (!initial) return initial.error();
   const EffectSettings& settings = *initial;
 
-  wait_for(device, request.wait);
+  if (commands) {
+    if (request.wait || request.signal)
+      return usage_error("a recording takes no semaphores: they belong to the submission of its command buffer");
+    if (auto status = check_recordable(effects_to_run, settings, info_of(lens)); !status) return status;
+    if (auto begun = commands_of(device).begin_recording(commands, slot); !begun) return begun;
+  }
+  commands_of(device).wait_for(request.wait);
   auto frame = empty_frame(device, info_of(lens));
   if (!frame) return frame.error();
   const ImageMeaning depth{.role = depth_role(lens.depth_kind),
@@ -151,17 +173,39 @@ Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVu
       return usage_error("an output takes one to four planes, not {}", planes.size());
     if (auto written = write_image(device, *frame, planes, device_image(output.image)); !written) return written;
   }
-  return submit_without_waiting(device, request.signal);
+  return commands ? Result<void>() : commands_of(device).submit_without_waiting(request.signal);
 }
 
-/// Discards the work that a failed call has recorded on a device, even if an exception is thrown.
-struct DropUnlessDone {
+Result<void> check_slot(int slot) {
+  if (slot >= 0 && slot < UMB_VULKAN_SLOTS) return {};
+  return usage_error("a slot is a number from 0 to {}, not {}", UMB_VULKAN_SLOTS - 1, slot);
+}
+static_assert(UMB_VULKAN_SLOTS == kRecordingSlots);
+
+/// Ends a recording, and discards the work that a failed call has recorded on a device, even if an exception is thrown.
+struct EndCall {
   Device& device;
   bool done = false;
-  ~DropUnlessDone() {
-    if (!done) drop(device);
+  ~EndCall() {
+    commands_of(device).end_recording();
+    if (!done) commands_of(device).drop();
   }
 };
+
+UmbError shade(UmbVulkanShading shading, const char* function, const UmbVulkanGBuffer* gbuffer,
+               const UmbVulkanWork* work, VkCommandBuffer commands, int slot) {
+  return call_on<VulkanShadingObject>(shading, function, Use::kChanges,
+                                      [&](VulkanShadingObject& object) -> Result<void> {
+                                        if (!gbuffer || !work)
+                                          return usage_error("{}: commands, gbuffer and work cannot be NULL", function);
+                                        if (auto status = check_slot(slot); !status) return status;
+                                        object.size = fmt::format("{} x {} pixels", gbuffer->width, gbuffer->height);
+                                        EndCall end{*object.device};
+                                        auto status = shade_images(*object.device, *gbuffer, *work, commands, slot);
+                                        end.done = bool(status);
+                                        return status;
+                                      });
+}
 
 Result<std::shared_ptr<Object>> new_shading(const UmbVulkanContext* context) {
   if (!context || !context->get_instance_proc_addr || !context->instance || !context->physical_device ||
@@ -191,15 +235,23 @@ UmbError umbGetVulkanShadingError(UmbVulkanShading shading, const char** message
 }
 
 UmbError umbShadeVulkanImages(UmbVulkanShading shading, const UmbVulkanGBuffer* gbuffer, const UmbVulkanWork* work) {
-  return call_on<VulkanShadingObject>(shading, "umbShadeVulkanImages", Use::kChanges,
+  return shade(shading, "umbShadeVulkanImages", gbuffer, work, VK_NULL_HANDLE, 0);
+}
+
+UmbError umbRecordVulkanImages(UmbVulkanShading shading, VkCommandBuffer commands, int32_t slot,
+                               const UmbVulkanGBuffer* gbuffer, const UmbVulkanWork* work) {
+  if (!commands) gbuffer = nullptr;  // reported below
+  return shade(shading, "umbRecordVulkanImages", gbuffer, work, commands, slot);
+}
+
+UmbError umbGetVulkanCost(UmbVulkanShading shading, int32_t slot, UmbVulkanCost* cost) {
+  return call_on<VulkanShadingObject>(shading, "umbGetVulkanCost", Use::kChanges,
                                       [&](VulkanShadingObject& object) -> Result<void> {
-                                        if (!gbuffer || !work)
-                                          return usage_error("umbShadeVulkanImages: gbuffer and work cannot be NULL");
-                                        object.size = fmt::format("{} x {} pixels", gbuffer->width, gbuffer->height);
-                                        DropUnlessDone guard{*object.device};
-                                        auto status = shade_images(*object.device, *gbuffer, *work);
-                                        guard.done = bool(status);
-                                        return status;
+                                        if (!cost) return usage_error("umbGetVulkanCost: cost cannot be NULL");
+                                        if (auto status = check_slot(slot); !status) return status;
+                                        const RecordingCost of = commands_of(*object.device).cost(slot);
+                                        *cost = {of.dispatches, of.bytes_read, of.bytes_written, of.ms};
+                                        return {};
                                       });
 }
 

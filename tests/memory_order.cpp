@@ -222,11 +222,11 @@ std::function<void(const std::string&)>& memory_order_report() {
 }
 
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL checked_get(VkInstance instance, const char* name) {
-  // Commands that access no buffers, or only attachments.
+  // Commands that access no buffers, or only attachments, or a buffer of times that nothing else accesses.
   static constexpr std::string_view kUnchecked[] = {
-      "vkCmdBindPipeline",   "vkCmdBindDescriptorSets", "vkCmdPushConstants",         "vkCmdResetQueryPool",
-      "vkCmdWriteTimestamp", "vkCmdBeginRenderPass",    "vkCmdEndRenderPass",         "vkCmdSetViewport",
-      "vkCmdSetScissor",     "vkCmdClearColorImage",    "vkCmdClearDepthStencilImage"};
+      "vkCmdBindPipeline",   "vkCmdBindDescriptorSets", "vkCmdPushConstants",          "vkCmdResetQueryPool",
+      "vkCmdWriteTimestamp", "vkCmdBeginRenderPass",    "vkCmdEndRenderPass",          "vkCmdSetViewport",
+      "vkCmdSetScissor",     "vkCmdClearColorImage",    "vkCmdClearDepthStencilImage", "vkCmdCopyQueryPoolResults"};
   Checker& c = checker();
   const std::lock_guard lock(c.mutex);
   if (!c.get) {

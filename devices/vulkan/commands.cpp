@@ -1,6 +1,7 @@
 #include "devices/vulkan/commands.h"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -10,8 +11,12 @@
 namespace umbrage {
 namespace {
 
-/// Memory for constants, bytes: enough for some hundreds of dispatches.
-constexpr std::size_t kUniformBytes = std::size_t(4) << 20;
+/// Memory for constants, bytes: enough for some hundreds of dispatches, and behind it for those of the caller's command
+/// buffers. The memory of a slot begins with its two times.
+constexpr std::size_t kUniformBytes = std::size_t(2) << 20;
+constexpr std::size_t kSlotBytes = std::size_t(256) << 10;
+constexpr std::size_t kSlotStart = 256;         // on every device a multiple of the alignment of constants
+constexpr std::uint32_t kMaxRecorded = 256;     // dispatches of a recording in a command buffer of the caller
 constexpr std::uint32_t kMaxDispatches = 1024;  // per submission; each uses two timestamps and a descriptor set
 constexpr std::size_t kMaxTimes = 65536;        // unread times that are kept
 constexpr std::size_t kMaxKinds = 4096;         // kinds of work whose time is known
@@ -22,7 +27,7 @@ constexpr VkPipelineStageFlags kStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | 
 }  // namespace
 
 Result<std::unique_ptr<Commands>> Commands::make(GpuPtr gpu, const std::shared_ptr<Memory>& memory) {
-  auto commands = std::unique_ptr<Commands>(new Commands(std::move(gpu)));
+  auto commands = std::unique_ptr<Commands>(new Commands(std::move(gpu), memory));
   const Gpu& opened = *commands->gpu_;
   const auto failed = [](VkResult result) -> Error { return vulkan_error(result, "was opened"); };
   VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
@@ -39,31 +44,38 @@ Result<std::unique_ptr<Commands>> Commands::make(GpuPtr gpu, const std::shared_p
   const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   if (const auto r = opened.vk.CreateFence(opened.device, &fence, nullptr, &commands->fence_); r != VK_SUCCESS)
     return failed(r);
-  if (opened.ns_of_tick > 0.0) {
-    VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-    queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    queries.queryCount = 2 * kMaxDispatches;
-    if (const auto r = opened.vk.CreateQueryPool(opened.device, &queries, nullptr, &commands->queries_);
-        r != VK_SUCCESS)
-      return failed(r);
-  }
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kMaxDispatches * std::uint32_t(kBoundPlanes)};
-  VkDescriptorPoolCreateInfo sets{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-  sets.maxSets = kMaxDispatches;
-  sets.poolSizeCount = 1;
-  sets.pPoolSizes = &size;
-  if (const auto r = opened.vk.CreateDescriptorPool(opened.device, &sets, nullptr, &commands->sets_); r != VK_SUCCESS)
-    return failed(r);
-  auto uniforms = memory->host(kUniformBytes + kMaxUniforms, true);
+  if (auto made = commands->make_pools(kMaxDispatches, 2 * kMaxDispatches, commands->sets_, commands->queries_); !made)
+    return made.error();
+  auto uniforms = memory->host(kUniformBytes + kRecordingSlots * kSlotBytes + kMaxUniforms, true);
   if (!uniforms) return uniforms.error();
   commands->uniforms_ = *uniforms;
   return commands;
+}
+
+Result<void> Commands::make_pools(std::uint32_t max_sets, std::uint32_t queries, VkDescriptorPool& set_pool,
+                                  VkQueryPool& query_pool) const {
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, max_sets * std::uint32_t(kBoundPlanes)};
+  VkDescriptorPoolCreateInfo sets{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  sets.maxSets = max_sets;
+  sets.poolSizeCount = 1;
+  sets.pPoolSizes = &size;
+  VkQueryPoolCreateInfo times{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+  times.queryType = VK_QUERY_TYPE_TIMESTAMP;
+  times.queryCount = queries;
+  VkResult made = VK_SUCCESS;
+  if (gpu_->ns_of_tick > 0.0) made = gpu_->vk.CreateQueryPool(gpu_->device, &times, nullptr, &query_pool);
+  if (made == VK_SUCCESS) made = gpu_->vk.CreateDescriptorPool(gpu_->device, &sets, nullptr, &set_pool);
+  return made == VK_SUCCESS ? Result<void>() : vulkan_error(made, "was opened");
 }
 
 Commands::~Commands() {
   if (submitted_) gpu_->vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
   if (recording_) gpu_->vk.EndCommandBuffer(buffer_);
   kept_.clear();
+  for (const Recording& of : slots_) {
+    if (of.sets) gpu_->vk.DestroyDescriptorPool(gpu_->device, of.sets, nullptr);
+    if (of.queries) gpu_->vk.DestroyQueryPool(gpu_->device, of.queries, nullptr);
+  }
   if (sets_) gpu_->vk.DestroyDescriptorPool(gpu_->device, sets_, nullptr);
   if (queries_) gpu_->vk.DestroyQueryPool(gpu_->device, queries_, nullptr);
   if (fence_) gpu_->vk.DestroyFence(gpu_->device, fence_, nullptr);
@@ -72,6 +84,7 @@ Commands::~Commands() {
 
 Result<VkCommandBuffer> Commands::buffer() {
   if (lost_) return *lost_;
+  if (callers_) return callers_->buffer;
   if (submitted_)
     if (auto status = wait_for_submission(); !status) return status.error();
   if (recording_) return buffer_;
@@ -86,7 +99,58 @@ Result<VkCommandBuffer> Commands::buffer() {
 
 void Commands::barrier() {
   const VkMemoryBarrier all{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, kWrites, kReads | kWrites};
-  gpu_->vk.CmdPipelineBarrier(buffer_, kStages, kStages, 0, 1, &all, 0, nullptr, 0, nullptr);
+  gpu_->vk.CmdPipelineBarrier(callers_ ? callers_->buffer : buffer_, kStages, kStages, 0, 1, &all, 0, nullptr, 0,
+                              nullptr);
+}
+
+Result<void> Commands::begin_recording(VkCommandBuffer buffer, int slot) {
+  if (lost_) return *lost_;
+  Recording& to = slots_[std::size_t(slot)];
+  to.user = std::make_shared<char>();
+  to.cost = {};
+  to.begin = kUniformBytes + std::size_t(slot) * kSlotBytes;
+  to.used = kSlotStart;
+  std::memset(uniforms_->mapped + to.begin, 0, kSlotStart);
+  if (to.sets)
+    gpu_->vk.ResetDescriptorPool(gpu_->device, to.sets, 0);
+  else if (auto made = make_pools(kMaxRecorded, 2, to.sets, to.queries); !made)
+    return made;
+  callers_ = &to;
+  to.buffer = buffer;
+  memory_->set_user(to.user);
+  if (!to.queries) return {};
+  gpu_->vk.CmdResetQueryPool(buffer, to.queries, 0, 2);
+  gpu_->vk.CmdWriteTimestamp(buffer, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, to.queries, 0);
+  return {};
+}
+
+void Commands::make_visible_to_host(VkCommandBuffer buffer) const {
+  const VkMemoryBarrier to_host{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_TRANSFER_WRITE_BIT,
+                                VK_ACCESS_HOST_READ_BIT};
+  gpu_->vk.CmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &to_host, 0,
+                              nullptr, 0, nullptr);
+}
+
+void Commands::end_recording() {
+  if (!callers_) return;
+  if (callers_->queries) {
+    const auto& vk = gpu_->vk;
+    vk.CmdWriteTimestamp(callers_->buffer, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, callers_->queries, 1);
+    vk.CmdCopyQueryPoolResults(callers_->buffer, callers_->queries, 0, 2, uniforms_->buffer, callers_->begin,
+                               sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+    make_visible_to_host(callers_->buffer);
+  }
+  callers_ = nullptr;
+  memory_->set_user({});
+}
+
+RecordingCost Commands::cost(int slot) const {
+  const Recording& of = slots_[std::size_t(slot)];
+  RecordingCost cost = of.cost;
+  std::uint64_t ticks[2];
+  std::memcpy(ticks, uniforms_->mapped + of.begin, sizeof ticks);
+  if (of.queries && ticks[1] > ticks[0]) cost.ms = double(ticks[1] - ticks[0]) * gpu_->ns_of_tick * 1e-6;
+  return cost;
 }
 
 Result<void> Commands::finish() {
@@ -133,10 +197,7 @@ Error Commands::failed(VkResult result) {
 
 Result<void> Commands::submit(VkSemaphore signal) {
   const auto& vk = gpu_->vk;
-  const VkMemoryBarrier to_host{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_TRANSFER_WRITE_BIT,
-                                VK_ACCESS_HOST_READ_BIT};
-  vk.CmdPipelineBarrier(buffer_, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &to_host, 0, nullptr,
-                        0, nullptr);
+  make_visible_to_host(buffer_);
   if (const auto r = vk.EndCommandBuffer(buffer_); r != VK_SUCCESS) return failed(r);
   const VkPipelineStageFlags all = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
   VkSubmitInfo work{VK_STRUCTURE_TYPE_SUBMIT_INFO};
@@ -205,20 +266,25 @@ std::optional<double> Commands::ms_per_group(Kind kind) const {
 Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
   check_less(bytes, kMaxUniforms + 1, "bytes of constants");
   if (lost_) return *lost_;
-  if (submitted_)
+  std::size_t& used = callers_ ? callers_->used : uniforms_used_;
+  const std::size_t begin = callers_ ? callers_->begin : 0;
+  if (callers_ && (used + bytes > kSlotBytes || std::uint32_t(callers_->cost.dispatches) >= kMaxRecorded))
+    return usage_error("a command buffer takes at most {} dispatches: record the effects in two of them",
+                       callers_->cost.dispatches);
+  if (submitted_ && !callers_)
     if (auto status = wait_for_submission(); !status) return status.error();
-  if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kMaxDispatches)
+  if (!callers_ && (used + bytes > kUniformBytes || timed_.size() >= kMaxDispatches))
     if (auto status = finish(); !status) return status.error();
-  const Uniforms slice{uniforms_->mapped + uniforms_used_, std::uint32_t(uniforms_used_)};
+  const Uniforms slice{uniforms_->mapped + begin + used, std::uint32_t(begin + used)};
   const std::size_t step = gpu_->properties.limits.minUniformBufferOffsetAlignment;
-  uniforms_used_ = (uniforms_used_ + bytes + step - 1) / step * step;
+  used = (used + bytes + step - 1) / step * step;
   return slice;
 }
 
 Result<VkDescriptorSet> Commands::descriptor_set(VkDescriptorSetLayout layout,
                                                  std::span<const VkDescriptorBufferInfo> buffers) {
   VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-  allocate.descriptorPool = sets_;
+  allocate.descriptorPool = callers_ ? callers_->sets : sets_;
   allocate.descriptorSetCount = 1;
   allocate.pSetLayouts = &layout;
   VkDescriptorSet set = VK_NULL_HANDLE;
@@ -235,6 +301,10 @@ Result<VkDescriptorSet> Commands::descriptor_set(VkDescriptorSetLayout layout,
 
 void Commands::begin_dispatch(std::string_view effect, std::string_view dispatch, Kind kind, double groups,
                               bool continues) {
+  if (callers_) {
+    ++callers_->cost.dispatches;
+    return;
+  }
   timed_.push_back({{std::string(effect), std::string(dispatch), 0.0}, kind, groups, continues});
   recorded_ms_ += groups * ms_per_group(kind).value_or(0.0);
   if (queries_)
@@ -243,7 +313,7 @@ void Commands::begin_dispatch(std::string_view effect, std::string_view dispatch
 }
 
 void Commands::end_dispatch() {
-  if (queries_)
+  if (queries_ && !callers_)
     gpu_->vk.CmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
                                2 * std::uint32_t(timed_.size()) - 1);
 }

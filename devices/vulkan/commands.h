@@ -1,5 +1,6 @@
 // Records the work of a Vulkan device until a result is needed; then submits all of it at once.
 #pragma once
+#include <array>
 #include <compare>
 #include <map>
 #include <memory>
@@ -14,6 +15,17 @@
 
 namespace umbrage {
 
+/// Max number of recordings in command buffers of the caller that exist at a time.
+inline constexpr int kRecordingSlots = 8;
+
+/// What one run of recorded work costs. Each dispatch counts each of its planes once, however many of its pixels a
+/// kernel reads; copies of images are included.
+struct RecordingCost {
+  int dispatches = 0;
+  std::uint64_t bytes_read = 0, bytes_written = 0;
+  double ms = 0.0;  ///< on the device, from the first command to the last; 0: unknown
+};
+
 class Commands {
  public:
   /// Creates the recorder. Errors: kDevice.
@@ -21,6 +33,18 @@ class Commands {
   ~Commands();
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
+
+  /// Directs all work to `buffer`, which belongs to the caller and is submitted by him, until end_recording. Constants,
+  /// descriptor sets, times and memory of the planes remain until the next recording in this slot, 0 to kRecordingSlots
+  /// - 1; before it the former one must be complete. Meanwhile finish() only waits for earlier work. Errors: kDevice.
+  Result<void> begin_recording(VkCommandBuffer buffer, int slot);
+  void end_recording();
+  /// Adds the bytes of a dispatch or copy to the cost of the recording, if there is one.
+  void count(VkDeviceSize read, VkDeviceSize written) {
+    if (callers_) callers_->cost.bytes_read += read, callers_->cost.bytes_written += written;
+  }
+  /// Returns the cost of the slot's last recording; `ms` is that of its last complete execution.
+  RecordingCost cost(int slot) const;
 
   /// Returns the command buffer; begins recording if nothing is recorded yet. Errors: kDevice.
   Result<VkCommandBuffer> buffer();
@@ -40,7 +64,7 @@ class Commands {
 
   /// Returns memory for the constants of the commands that are recorded next; `offset` is its offset in
   /// uniform_buffer(). If no memory is left, the recorded work is submitted first; so call it before buffer(). Errors:
-  /// kDevice.
+  /// kDevice; kUsage if a recording of the caller has too many dispatches.
   struct Uniforms {
     std::byte* bytes = nullptr;
     std::uint32_t offset = 0;
@@ -70,14 +94,19 @@ class Commands {
   std::vector<DispatchTime> take_dispatch_times() { return std::exchange(times_, {}); }
 
  private:
-  explicit Commands(GpuPtr gpu) : gpu_(std::move(gpu)) {}
+  Commands(GpuPtr gpu, std::shared_ptr<Memory> memory) : gpu_(std::move(gpu)), memory_(std::move(memory)) {}
+  /// Makes pools of descriptor sets and, if the device has timestamps, of queries. Errors: kDevice.
+  Result<void> make_pools(std::uint32_t max_sets, std::uint32_t queries, VkDescriptorPool& set_pool,
+                          VkQueryPool& query_pool) const;
   Result<void> submit(VkSemaphore signal);
   Result<void> wait_for_submission();
+  void make_visible_to_host(VkCommandBuffer buffer) const;  // of copies
   void reset();
   Result<void> read_times();
   Error failed(VkResult result);
 
   GpuPtr gpu_;
+  std::shared_ptr<Memory> memory_;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer buffer_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
@@ -99,6 +128,17 @@ class Commands {
   std::map<Kind, double> ms_per_group_;
   double recorded_ms_ = 0.0;
   std::vector<DispatchTime> times_;
+  /// The resources of a recording in a command buffer of the caller.
+  struct Recording {
+    VkCommandBuffer buffer = VK_NULL_HANDLE;
+    VkDescriptorPool sets = VK_NULL_HANDLE;
+    VkQueryPool queries = VK_NULL_HANDLE;  // of its beginning and end
+    std::size_t begin = 0, used = 0;       // its memory for constants
+    std::shared_ptr<const void> user;      // of the memory of its planes
+    RecordingCost cost;
+  };
+  std::array<Recording, kRecordingSlots> slots_;
+  Recording* callers_ = nullptr;  // the current one
 };
 
 /// Max size of the constants of one dispatch, bytes: every Vulkan device supports uniform ranges of this size.

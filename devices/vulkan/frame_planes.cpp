@@ -124,6 +124,7 @@ Result<void> PlaneStore::add_constant(DevicePlanes& planes, float value) {
   commands_->barrier();
   gpu_->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, planes.bytes,
                          std::bit_cast<std::uint32_t>(value));
+  commands_->count(0, planes.bytes);
   planes.constants.emplace(value, *plane);
   return {};
 }

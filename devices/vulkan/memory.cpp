@@ -94,11 +94,16 @@ Result<Block> Memory::make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, V
   return block;
 }
 
+bool Memory::Slab::is_free() const {
+  return int(free.size()) == count &&
+         std::all_of(users.begin(), users.end(), [](const auto& user) { return user.expired(); });
+}
+
 Result<void> Memory::free_empty_slabs() {
   if (empty_bytes() == 0) return {};
   if (auto idle = wait(); !idle) return idle;
   for (auto& slab : slabs_)
-    if (int(slab->free.size()) == slab->count) {
+    if (slab->is_free()) {
       destroy(slab->block);
       slab.reset();
     }
@@ -114,7 +119,7 @@ Result<void> Memory::make_room() {
 std::uint64_t Memory::empty_bytes() const {
   std::uint64_t bytes = 0;
   for (const auto& slab : slabs_)
-    if (int(slab->free.size()) == slab->count) bytes += slab->block.size;
+    if (slab->is_free()) bytes += slab->block.size;
   return bytes;
 }
 
@@ -158,6 +163,10 @@ Result<DevicePlanePtr> Memory::plane(VkDeviceSize bytes) {
     found = with_room();
   }
   Slab& slab = **found;
+  if (!user_.expired() && (slab.users.empty() || slab.users.back().lock() != user_.lock())) {
+    std::erase_if(slab.users, [](const auto& user) { return user.expired(); });
+    slab.users.push_back(user_);
+  }
   const int index = slab.free.back();
   slab.free.pop_back();
   const VkDeviceSize offset = VkDeviceSize(index) * size;
@@ -183,8 +192,8 @@ Result<HostBufferPtr> Memory::host(VkDeviceSize bytes, bool uniform) {
       for (Block& free : free_host_) destroy(free);
       free_host_.clear();
     }
-    const VkBufferUsageFlags usage = uniform ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT
-                                             : VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    const VkBufferUsageFlags usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT |
+                                     (uniform ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT : VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
     auto created = make_block(size, usage, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                               uniform ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT : VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
     if (!created) return created.error();

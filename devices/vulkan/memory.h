@@ -54,6 +54,8 @@ class Memory : public std::enable_shared_from_this<Memory> {
   /// device no longer uses it.
   std::function<Result<void>()> release_memory = [] { return Result<void>(); };
 
+  /// Keeps the memory of planes that are requested from now on while `user` lives, even after they were released.
+  void set_user(std::weak_ptr<const void> user) { user_ = std::move(user); }
   /// Returns memory for a plane, uninitialised. Earlier recorded work may still read the former contents: place a
   /// barrier before writing to it. Errors: kDevice.
   Result<DevicePlanePtr> plane(VkDeviceSize bytes);
@@ -77,6 +79,9 @@ class Memory : public std::enable_shared_from_this<Memory> {
     VkDeviceSize plane_bytes = 0;
     int count = 0;
     std::vector<int> free;
+    std::vector<std::weak_ptr<const void>> users;
+    /// Returns whether no plane is in use.
+    bool is_free() const;
   };
 
   Result<Block> make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, VkMemoryPropertyFlags required,
@@ -95,6 +100,7 @@ class Memory : public std::enable_shared_from_this<Memory> {
   std::uint64_t empty_bytes() const;
 
   GpuPtr gpu_;
+  std::weak_ptr<const void> user_;
   std::vector<std::unique_ptr<Slab>> slabs_;
   std::vector<Block> free_host_;
   std::atomic<std::uint64_t> device_bytes_ = 0, host_bytes_ = 0;  ///< may be read by any thread

@@ -218,11 +218,7 @@ class VulkanDevice final : public Device {
     return {};
   }
 
-  void drop() { commands_->drop(); }
-
-  void wait_for(VkSemaphore semaphore) { commands_->wait_for(semaphore); }
-
-  Result<void> submit_without_waiting(VkSemaphore signal) { return commands_->submit_without_waiting(signal); }
+  Commands& commands() { return *commands_; }
 
   Result<std::vector<DispatchTime>> finish() override {
     if (auto status = commands_->finish(); !status) return status.error();
@@ -250,6 +246,12 @@ class VulkanDevice final : public Device {
     if (!pipeline) return pipeline.error();
     const ConvertConstants constants =
         convert_constants(frame.info, planes_of(frame).stride, format, meaning, to_image);
+    // The image is copied to or from a buffer, which is converted to or from planes of 1 to 4 channels.
+    const VkDeviceSize texels = VkDeviceSize(frame.info.width) * frame.info.height * format.bytes;
+    const VkDeviceSize planes =
+        planes_of(frame).bytes *
+        VkDeviceSize(std::count_if(table.begin() + 1, table.end(), [](auto address) { return address != 0; }));
+    commands_->count(to_image ? planes + texels : 2 * texels, to_image ? 2 * texels : planes + texels);
     return dispatcher_->dispatch({*pipeline, "image", to_image ? "write" : "read"}, frame.info,
                                  std::as_bytes(std::span(&constants, 1)), table);
   }
@@ -338,6 +340,7 @@ class VulkanDevice final : public Device {
       const auto found = temporary_planes.find(name);
       table.push_back(found != temporary_planes.end() ? found->second.get() : planes.find(run.plane(name)));
     }
+    commands_->count(step.inputs.size() * planes.bytes, step.outputs.size() * planes.bytes);
     if (run.pixels == PixelSet::kMissing) {
       table.resize(kMaxPlanes);
       table.back() = planes.find(run.plane("ao"));  // kernel/glsl.h reads it there
@@ -484,13 +487,7 @@ Result<void> write_image(Device& device, const Frame& frame, const std::vector<s
   return dynamic_cast<VulkanDevice&>(device).write_image(frame, planes, image);
 }
 
-void wait_for(Device& device, VkSemaphore semaphore) { dynamic_cast<VulkanDevice&>(device).wait_for(semaphore); }
-
-Result<void> submit_without_waiting(Device& device, VkSemaphore signal) {
-  return dynamic_cast<VulkanDevice&>(device).submit_without_waiting(signal);
-}
-
-void drop(Device& device) { dynamic_cast<VulkanDevice&>(device).drop(); }
+Commands& commands_of(Device& device) { return dynamic_cast<VulkanDevice&>(device).commands(); }
 
 VulkanMemory vulkan_memory(const Device& device) {
   const auto* vulkan = dynamic_cast<const VulkanDevice*>(&device);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/device.h"
+#include "devices/vulkan/commands.h"
 #include "devices/vulkan/images.h"
 #include "devices/vulkan/instance.h"
 
@@ -59,7 +60,7 @@ VulkanMemory vulkan_memory(const Device& device);
 Result<std::unique_ptr<Device>> make_vulkan_device_on(const ForeignGpu& foreign);
 
 /// The functions below require a Vulkan device. Their work is submitted only by a download, a host step, finish or
-/// submit_without_waiting.
+/// Commands::submit_without_waiting.
 ///
 /// Returns a frame of this size without planes.
 Result<Frame> empty_frame(Device& device, const PictureInfo& info);
@@ -71,12 +72,7 @@ Result<void> read_image(Device& device, const DeviceImage& image, const ImageMea
 /// have the usage TRANSFER_DST. Errors: kUsage for a plane that is missing, or an unknown format.
 Result<void> write_image(Device& device, const Frame& frame, const std::vector<std::string>& planes,
                          const DeviceImage& image);
-/// Makes the next submission wait for `semaphore`, unless that is null or the recorded work is dropped.
-void wait_for(Device& device, VkSemaphore semaphore);
-/// Submits the recorded work without waiting, and signals `signal` when it is done, unless that is null. Errors:
-/// kDevice.
-Result<void> submit_without_waiting(Device& device, VkSemaphore signal);
-/// Discards the recorded work.
-void drop(Device& device);
+/// Returns what records the work of the device.
+Commands& commands_of(Device& device);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// Tests of a caller's Vulkan device and images, and of successive frames.
+// Tests of a caller's Vulkan device, images and command buffers.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +12,6 @@
 #include "effects/effects.h"
 #include "faulty_vulkan.h"
 #include "support.h"
-#include "umbrage/umbrage.hpp"
 #include "umbrage/vulkan.hpp"
 #include "vulkan_support.h"
 using namespace umb;  // the public interface; its names used here are not in umbrage
@@ -236,12 +235,19 @@ VulkanGBuffer wall(Engine& engine) {
   return g;
 }
 
-float first_texel(Engine& engine, const VulkanImage& image) {
+std::vector<float> texels(Engine& engine, const VulkanImage& image) {
   const auto device = make_vulkan_device_on(engine.foreign());
   auto frame = empty_frame(**device, picture());
   EXPECT_TRUE(
       read_image(**device, {image.image, image.format, image.layout_after, image.layout_after}, {}, {"v"}, *frame));
-  return (*device)->download(*frame, {"v"})->planes[0].at(kWidth / 2, kHeight / 2);
+  const Plane plane = std::move((*device)->download(*frame, {"v"})->planes[0]);
+  std::vector<float> all;
+  for (int y = 0; y < kHeight; ++y) all.insert(all.end(), plane.row(y), plane.row(y) + kWidth);
+  return all;
+}
+
+float middle_texel(Engine& engine, const VulkanImage& image) {
+  return texels(engine, image)[std::size_t(kHeight / 2) * kWidth + kWidth / 2];
 }
 
 TEST(VulkanShading, ShadesAnEnginesImages) {
@@ -274,9 +280,9 @@ TEST(VulkanShading, ShadesAnEnginesImages) {
   ASSERT_EQ(shading.finish().code, 0);
   EXPECT_GT(after_two, 0u);
   EXPECT_EQ(shading.device_bytes(), after_two);
-  EXPECT_NEAR(first_texel(*engine, request.outputs[0].image), 1.0f, 0.02f);  // a wall is unoccluded
-  EXPECT_NEAR(first_texel(*engine, request.outputs[1].image), 1.0f, 1e-3f);
-  EXPECT_EQ(first_texel(*engine, request.outputs[2].image), 0.0f);
+  EXPECT_NEAR(middle_texel(*engine, request.outputs[0].image), 1.0f, 0.02f);  // a wall is unoccluded
+  EXPECT_NEAR(middle_texel(*engine, request.outputs[1].image), 1.0f, 1e-3f);
+  EXPECT_EQ(middle_texel(*engine, request.outputs[2].image), 0.0f);
   for (const VkSemaphore s : semaphores)
     engine->function<PFN_vkDestroySemaphore>("vkDestroySemaphore")(engine->gpu->device, s, nullptr);
 }
@@ -291,10 +297,10 @@ TEST(VulkanShading, RotatesNormals) {
   VulkanShadeRequest request;
   request.outputs = {{{"normal.z"}, {engine->image(VK_FORMAT_R32_SFLOAT), VK_FORMAT_R32_SFLOAT}}};
   ASSERT_EQ(shading.shade(g, request).code, 0);
-  EXPECT_NEAR(first_texel(*engine, request.outputs[0].image), 1.0f, 0.005f);
+  EXPECT_NEAR(middle_texel(*engine, request.outputs[0].image), 1.0f, 0.005f);
   g.view_from_normal[6] = -1.0f;
   ASSERT_EQ(shading.shade(g, request).code, 0);
-  EXPECT_NEAR(first_texel(*engine, request.outputs[0].image), -1.0f, 0.005f);
+  EXPECT_NEAR(middle_texel(*engine, request.outputs[0].image), -1.0f, 0.005f);
 }
 
 TEST(VulkanShading, ReportsErrors) {
@@ -352,48 +358,126 @@ TEST(VulkanShading, ReportsErrors) {
   EXPECT_EQ(shading.finish().code, 4);
 }
 
-TEST(FrameRenderer, DrawsFramesLikeRender) {
-  RenderRequest request = {
-      .model = "scene:solids?detail=3000", .look = "ao", .width = 64, .height = 48, .device = "cpu"};
-  Picture alone;
-  ASSERT_EQ(render(request, alone).code, 0);
-  for (const char* device : {"cpu", "vulkan"}) {
-    request.device = device;
-    FrameRenderer renderer;
-    Picture picture;
-    EXPECT_EQ(renderer.draw({}, picture).code, 2);
-    const Outcome opened = renderer.open(request);
-    if (opened.code == 4 && test::may_lack_vulkan()) continue;
-    ASSERT_EQ(opened.code, 0) << opened.message;
-    EXPECT_EQ(renderer.device().rfind(device, 0), 0u);
-    FrameCamera camera;
-    unsigned long long after_two = 0;
-    for (int k = 0; k < 8; ++k) {
-      camera.placed = k % 2 == 1;
-      camera.eye[0] = 7.0f;
-      camera.eye[2] = 3.0f;
-      ASSERT_EQ(renderer.draw(camera, picture).code, 0);
-      ASSERT_EQ(picture.rgba.size(), alone.rgba.size());
-      long far = 0;
-      for (std::size_t i = 0; i < alone.rgba.size(); ++i)
-        far += std::fabs(picture.rgba[i] - alone.rgba[i]) > 2.0f / 255;
-      if (camera.placed)
-        EXPECT_GT(far, 1000) << device;
-      else
-        EXPECT_LE(far, long(alone.rgba.size()) / 500) << device;
-      if (k == 1) after_two = renderer.device_bytes();
-    }
-    EXPECT_EQ(renderer.device_bytes(), after_two);
-    EXPECT_EQ(after_two > 0, std::string(device) == "vulkan");
-    camera.placed = true;
-    camera.angle_deg = 0.0f;
-    EXPECT_EQ(renderer.draw(camera, picture).code, 2);
-    EXPECT_EQ(renderer.open({.model = "missing.obj", .device = device}).code, 3);
-    EXPECT_EQ(renderer.draw({}, picture).code, 0);  // the open scene remains
+/// Command buffers of an engine, one for each of two frames in flight.
+struct InFlight {
+  explicit InFlight(const Engine& engine) : memory(std::make_shared<Memory>(engine.gpu)) {
+    for (auto& frame : frames) frame = std::move(*Commands::make(engine.gpu, memory));
   }
-  FrameRenderer renderer;
-  request.device = "vulcan";
-  EXPECT_EQ(renderer.open(request).code, 2);
+
+  std::shared_ptr<Memory> memory;
+  std::unique_ptr<Commands> frames[2];
+};
+
+/// Fills the depth image of a G-buffer with hills.
+void draw_hills(const Engine& engine, const VulkanGBuffer& g) {
+  const auto device = make_vulkan_device_on(engine.foreign());
+  auto frame = empty_frame(**device, picture());
+  Image hills(kWidth, kHeight);
+  Plane& depth = hills.add("depth") = Plane(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      depth.at(x, y) = 3.0f + 0.4f * std::sin(0.7f * float(x)) * std::cos(0.5f * float(y));
+  ASSERT_TRUE((*device)->add(std::move(hills), *frame));
+  ASSERT_TRUE(
+      write_image(**device, *frame, {"depth"}, {g.depth.image, g.depth.format, g.depth.layout, g.depth.layout_after}));
+  ASSERT_TRUE((*device)->finish());
+}
+
+VulkanShadeRequest occlusion_request(Engine& engine, const std::vector<std::string>& settings) {
+  return {.effects = {"bitmask", "denoise"},
+          .settings = settings,
+          .outputs = {{{"ao"}, {engine.image(VK_FORMAT_R32_SFLOAT), VK_FORMAT_R32_SFLOAT}}}};
+}
+
+TEST(VulkanShading, RecordsIntoACallersCommandBuffers) {
+  const test::NoMessages no_messages;
+  UMBRAGE_NEEDS_VULKAN(test::start_faulty());
+  auto engine = open_engine(test::faulty_get);
+  UMBRAGE_NEEDS_VULKAN(engine);
+  VulkanGBuffer g = wall(*engine);
+  g.normal = {};
+  draw_hills(*engine, g);
+  const VulkanShadeRequest requests[] = {occlusion_request(*engine, {"bitmask.radius=50%"}),
+                                         occlusion_request(*engine, {"bitmask.radius=20%", "denoise.rounds=2"})};
+  VulkanShading shading;
+  ASSERT_EQ(shading.open(engine->context(test::faulty_get)).code, 0);
+  std::vector<float> expected[2];
+  const auto result = [&](int k) { return texels(*engine, requests[k].outputs[0].image); };
+  for (int k = 0; k < 2; ++k) {
+    ASSERT_EQ(shading.shade(g, requests[k]).code, 0);
+    ASSERT_EQ(shading.finish().code, 0);
+    expected[k] = result(k);
+    engine->clear(requests[k].outputs[0].image.image, {}, false);
+  }
+  EXPECT_NE(expected[0], expected[1]);
+  EXPECT_EQ(shading.cost(0).dispatches, 0);
+
+  const InFlight flight(*engine);
+  const int submits = test::faulty().faults.submits;
+  for (int k = 0; k < 2; ++k) {
+    const Outcome recorded = shading.record(*flight.frames[k]->buffer(), k, g, requests[k]);
+    ASSERT_EQ(recorded.code, 0) << recorded.message;
+  }
+  EXPECT_EQ(test::faulty().faults.submits, submits);
+  // A picture for which the memory does not suffice must not take that of the recordings.
+  test::faulty().faults.memory_left = 0;
+  VulkanGBuffer large = g;
+  large.width = large.height = 4096;
+  EXPECT_EQ(shading.shade(large, requests[0]).code, 4);
+  test::faulty().faults = {};
+  for (const int k : {1, 0}) ASSERT_TRUE(flight.frames[k]->submit_without_waiting({}));  // in another order
+  for (const int k : {1, 0}) ASSERT_TRUE(flight.frames[k]->finish());
+  for (const int k : {1, 0}) EXPECT_EQ(result(k), expected[k]) << k;
+
+  // Dispatches: two conversions of images, normals, bitmask, and two for each round of denoise.
+  const UmbVulkanCost cost = shading.cost(0), other = shading.cost(1);
+  EXPECT_EQ(cost.dispatches, 6);
+  EXPECT_EQ(other.dispatches, 8);
+  const std::uint64_t plane = 48 * kHeight * 4, image = kWidth * kHeight * 4;  // bytes; rows of planes are padded
+  EXPECT_EQ(cost.bytes_written, 8 * plane + 3 * image) << "depth, normals, no mips, ao thrice";
+  EXPECT_EQ(other.bytes_written - cost.bytes_written, 2 * plane);
+  EXPECT_EQ(other.bytes_read - cost.bytes_read, 2 * 5 * plane) << "ao, depth and normal";
+  EXPECT_GT(cost.milliseconds, 0.0);
+
+  // Later frames take no more memory.
+  const std::uint64_t bytes = shading.device_bytes();
+  for (int frame = 0; frame < 10; ++frame) {
+    ASSERT_TRUE(flight.frames[frame % 2]->finish());
+    ASSERT_EQ(shading.record(*flight.frames[frame % 2]->buffer(), frame % 2, g, requests[1 - frame % 2]).code, 0);
+    ASSERT_TRUE(flight.frames[frame % 2]->submit_without_waiting({}));
+  }
+  for (const int k : {1, 0}) ASSERT_TRUE(flight.frames[k]->finish());
+  for (const int k : {1, 0}) EXPECT_EQ(result(k), expected[k]) << k;
+  EXPECT_EQ(shading.device_bytes(), bytes);
+}
+
+TEST(VulkanShading, RefusesWhatCannotBeRecorded) {
+  const test::NoMessages no_messages;
+  auto engine = open_engine();
+  UMBRAGE_NEEDS_VULKAN(engine);
+  const VulkanGBuffer g = wall(*engine);
+  VulkanShading shading;
+  ASSERT_EQ(shading.open(engine->context()).code, 0);
+  const InFlight flight(*engine);
+  const auto refused = [&](const VulkanShadeRequest& request, int slot, const std::string& text) {
+    const Outcome outcome = shading.record(*flight.frames[0]->buffer(), slot, g, request);
+    EXPECT_EQ(outcome.code, 2) << outcome.message;
+    EXPECT_NE(outcome.message.find(text), std::string::npos) << outcome.message;
+  };
+  VulkanShadeRequest request = occlusion_request(*engine, {});
+  EXPECT_EQ(shading.record(VK_NULL_HANDLE, 0, g, request).code, 2);
+  refused(request, UMB_VULKAN_SLOTS, "0 to 7, not 8");
+  request.effects = {"bitmask", "outline"};
+  refused(request, 0, "outline also runs on the host");
+  request.effects = {"traced"};
+  refused(request, 0, "traced traces rays");
+  request.effects.assign(200, "bitmask");
+  refused(request, 0, "a command buffer takes at most");
+  request.effects = {"bitmask"};
+  flight.frames[0]->drop();
+  EXPECT_EQ(shading.record(*flight.frames[0]->buffer(), 0, g, request).code, 0);  // later calls work
+  request.signal = VkSemaphore(std::uintptr_t(1));
+  refused(request, 0, "semaphores");
 }
 
 }  // namespace

@@ -78,6 +78,9 @@ typedef struct UmbVulkanWork {
   VkSemaphore signal; /* to be signalled when the outputs are ready */
 } UmbVulkanWork;
 
+/* Recordings that may be in flight at a time. */
+#define UMB_VULKAN_SLOTS 8
+
 /* Runs effects on the caller's device. Allows one call at a time. Must be released before the device is destroyed. */
 typedef struct UmbVulkanShadingObject* UmbVulkanShading;
 
@@ -93,6 +96,36 @@ UMB_API UmbError umbGetVulkanShadingError(UmbVulkanShading shading, const char**
  * UMB_ERROR_USAGE nothing has been submitted except such preceding work. */
 UMB_API UmbError umbShadeVulkanImages(UmbVulkanShading shading, const UmbVulkanGBuffer* gbuffer,
                                       const UmbVulkanWork* work);
+/* Records the work of umbShadeVulkanImages into a command buffer of the caller, and submits nothing.
+ *
+ * `commands` is in the recording state, outside of render passes; its pool is of the context's queue family. It is
+ * submitted once, to the context's queue, in any order; or to another queue of the family, if semaphores keep the
+ * recordings of this object from running at the same time. A recording begins and ends with full barriers: the images
+ * need no others, and go from their `layout` to their `layout_after`. The pipeline, descriptor sets and push constants
+ * of the compute bind point are undefined after it. `wait` and `signal` must be null.
+ *
+ * A `slot`, 0 to UMB_VULKAN_SLOTS - 1, owns what its last recording needs. So use one for each frame in flight, and
+ * record into it again, or release the object, only when the fence of its submission is signalled or its command buffer
+ * was reset. The caller's images must exist as long. All slots share the planes between the effects: more frames in
+ * flight take no more memory. The first recording of an effect compiles it, which may take seconds, and the first one
+ * of a picture size allocates memory; others neither compile, allocate nor wait.
+ *
+ * Errors: those of umbShadeVulkanImages; UMB_ERROR_USAGE also for effects with work on the host, such as "outline", and
+ * for rays, by name, for other slots, and for more than some hundred dispatches. After an error the command buffer may
+ * contain a part of the work: reset it. */
+UMB_API UmbError umbRecordVulkanImages(UmbVulkanShading shading, VkCommandBuffer commands, int32_t slot,
+                                       const UmbVulkanGBuffer* gbuffer, const UmbVulkanWork* work);
+
+/* What a recording costs. Bytes: each dispatch reads and writes each of its planes once, 4 bytes a pixel, though
+ * kernels also read around a pixel; the conversions of the caller's images are included. */
+typedef struct UmbVulkanCost {
+  int32_t dispatches;
+  uint64_t bytes_read, bytes_written;
+  double milliseconds; /* on the device; 0: its fence is not signalled, or the queue has no timestamps */
+} UmbVulkanCost;
+/* Gets the cost of the slot's last recording; all 0 without one. Errors: UMB_ERROR_USAGE for other slots. */
+UMB_API UmbError umbGetVulkanCost(UmbVulkanShading shading, int32_t slot, UmbVulkanCost* cost);
+
 /* Waits for the last submission. Errors: UMB_ERROR_DEVICE. */
 UMB_API UmbError umbFinishVulkanShading(UmbVulkanShading shading);
 /* Returns the device memory that is allocated for this and later pictures of the same size, in bytes. */

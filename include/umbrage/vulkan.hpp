@@ -86,6 +86,30 @@ class VulkanShading {
   /// code 2 for unknown names and formats, 4 if memory runs out or the device is lost. After code 2 nothing has been
   /// submitted except such preceding work.
   Outcome shade(const VulkanGBuffer& g, const VulkanShadeRequest& request) {
+    return call(false, VK_NULL_HANDLE, 0, g, request);
+  }
+  /// Records the same work into a command buffer of the caller, outside of render passes, and submits nothing. `slot`,
+  /// 0 to UMB_VULKAN_SLOTS - 1: the frame in flight, whose former submission is complete. The contract is that of
+  /// umbRecordVulkanImages. Errors: those of shade(); code 2 also for effects with work on the host and for rays.
+  Outcome record(VkCommandBuffer commands, int slot, const VulkanGBuffer& g, const VulkanShadeRequest& request) {
+    return call(true, commands, slot, g, request);
+  }
+  /// Returns what one execution of the slot's last recording costs; all 0 without one.
+  UmbVulkanCost cost(int slot) const {
+    UmbVulkanCost cost{};
+    umbGetVulkanCost(handle_.get(), slot, &cost);
+    return cost;
+  }
+  /// Waits for the last submission. Errors: code 4.
+  Outcome finish() { return handle_ ? outcome(umbFinishVulkanShading(handle_.get())) : Outcome(); }
+  /// Returns the device memory that is allocated for this and later pictures of the same size, in bytes.
+  uint64_t device_bytes() const { return umbGetVulkanShadingMemory(handle_.get()); }
+
+ private:
+  using Handle = detail::Ref<UmbVulkanShading, umbRetainVulkanShading, umbReleaseVulkanShading>;
+
+  Outcome call(bool records, VkCommandBuffer commands, int slot, const VulkanGBuffer& g,
+               const VulkanShadeRequest& request) {
     UmbVulkanGBuffer gbuffer{};
     gbuffer.width = g.width;
     gbuffer.height = g.height;
@@ -108,16 +132,9 @@ class VulkanShading {
       outputs.push_back({planes[k].data(), int32_t(planes[k].size()), image_of(request.outputs[k].image)});
     const UmbVulkanWork work{effects.data(), int32_t(effects.size()), settings.data(), int32_t(settings.size()),
                              outputs.data(), int32_t(outputs.size()), request.wait,    request.signal};
-    return outcome(umbShadeVulkanImages(handle_.get(), &gbuffer, &work));
+    return outcome(records ? umbRecordVulkanImages(handle_.get(), commands, slot, &gbuffer, &work)
+                           : umbShadeVulkanImages(handle_.get(), &gbuffer, &work));
   }
-  /// Waits for the last submission. Errors: code 4.
-  Outcome finish() { return handle_ ? outcome(umbFinishVulkanShading(handle_.get())) : Outcome(); }
-  /// Returns the device memory that is allocated for this and later pictures of the same size, in bytes.
-  uint64_t device_bytes() const { return umbGetVulkanShadingMemory(handle_.get()); }
-
- private:
-  using Handle = detail::Ref<UmbVulkanShading, umbRetainVulkanShading, umbReleaseVulkanShading>;
-
   static UmbVulkanImage image_of(const VulkanImage& from) {
     return {from.image, from.format, from.layout, from.layout_after};
   }
