@@ -59,9 +59,9 @@ struct Kit {
 /// depends on the view in a way that has no formula.
 Result<Kit> make_kit(const std::vector<const Effect*>& effects, EffectSettings settings, ShaderLanguage language);
 
-/// Return the files beside the shaders: pass.json and README.md, and frame.h for C and C++ or frame.js for JavaScript,
+/// Return the files beside the shaders: pass.json, which lists `files`, and README.md, and frame.h for C and C++ or frame.js for JavaScript,
 /// which fill the uniform blocks. frame.js also has the content of pass.json and the shaders.
-std::string kit_json(const Kit& kit);
+std::string kit_json(const Kit& kit, const std::vector<std::string>& files = {});
 std::string kit_readme(const Kit& kit);
 std::string kit_header(const Kit& kit);
 std::string kit_script(const Kit& kit, const std::vector<KitFile>& files);

@@ -193,7 +193,7 @@ std::string struct_text(const KitBlock& block) {
 
 }  // namespace
 
-std::string kit_json(const Kit& kit) {
+std::string kit_json(const Kit& kit, const std::vector<std::string>& files) {
   nlohmann::ordered_json record = {{"umbrage", std::string(project_version())},
                                    {"effects", kit.effects},
                                    {"settings", kit.settings},
@@ -202,6 +202,7 @@ std::string kit_json(const Kit& kit) {
   for (const KitTexture& texture : kit.textures) record["textures"].push_back(record_of(texture));
   for (const KitBlock& block : kit.blocks) record["blocks"][block.effect] = record_of(block);
   for (const KitPass& pass : kit.passes) record["passes"].push_back(record_of(pass, language_extension(kit.language)));
+  if (!files.empty()) record["files"] = files;
   return record.dump(1) + "\n";
 }
 
@@ -218,13 +219,14 @@ std::string kit_header(const Kit& kit) {
 /* Returns the view of the picture that has every `factor`th pixel of every `factor`th row. */
 static inline UmbrageView umbrage_reduced_view(const UmbrageView* v, int factor) {
   UmbrageView r = *v;
-  const float pixel_width = (v->right - v->left) / v->width, pixel_height = (v->top - v->bottom) / v->height;
+  const float pixel_width = (v->right - v->left) / (float)v->width;
+  const float pixel_height = (v->top - v->bottom) / (float)v->height;
   r.width = (v->width + factor - 1) / factor;
   r.height = (v->height + factor - 1) / factor;
-  r.left = v->left + 0.5f * pixel_width * (1 - factor);
-  r.right = r.left + pixel_width * factor * r.width;
-  r.top = v->top - 0.5f * pixel_height * (1 - factor);
-  r.bottom = r.top - pixel_height * factor * r.height;
+  r.left = v->left + 0.5f * pixel_width * (float)(1 - factor);
+  r.right = r.left + pixel_width * (float)(factor * r.width);
+  r.top = v->top - 0.5f * pixel_height * (float)(1 - factor);
+  r.bottom = r.top - pixel_height * (float)(factor * r.height);
   return r;
 }
 )";

@@ -102,7 +102,7 @@ class FrameFunctions {
           block.effect, block.name);
     std::ofstream(folder + "/frame.c") << code;
     const std::string command =
-        fmt::format("cc -std=c99 -Wall -Wextra -Werror -O1 -shared -fPIC -o {0}/frame.so {0}/frame.c -lm", folder);
+        fmt::format("cc -std=c99 -Wall -Wextra -Wconversion -Werror -O1 -shared -fPIC -o {0}/frame.so {0}/frame.c -lm", folder);
     EXPECT_EQ(std::system(command.c_str()), 0);
     library_ = ::dlopen((folder + "/frame.so").c_str(), RTLD_NOW);
     EXPECT_NE(library_, nullptr);
@@ -361,7 +361,36 @@ TEST_F(ShadersProgram, WritesAFolderForEachLanguage) {
                                                       : ".frag");
     EXPECT_TRUE(test::fs::exists(folder_ / language / ("bitmask_occlusion" + extension)));
   }
-  EXPECT_EQ(run("shaders bitmask,denoise -o glsl").code, 0) << "again into the same folder";
+}
+
+TEST_F(ShadersProgram, ReplacesItsOwnFilesAlone) {
+  EXPECT_EQ(run("shaders bitmask,denoise -o kit").code, 0);
+  EXPECT_EQ(run("shaders bitmask -o kit --set bitmask.mode=infinite").code, 0);
+  EXPECT_TRUE(test::fs::exists(folder_ / "kit/bitmask_horizon.frag"));
+  EXPECT_FALSE(test::fs::exists(folder_ / "kit/denoise_ao_down.frag"));
+  write("kit/own.frag", "void main() {}");
+  const auto outcome = run("shaders sphere -o kit");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.err.find("'own.frag'"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(test::fs::exists(folder_ / "kit/bitmask_horizon.frag"));
+}
+
+TEST_F(ShadersProgram, RefusesByName) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"shaders hatching -o kit", "effect hatching cannot be written as shaders: its step 'hatching_strokes' runs on the processor"},
+      {"shaders traced -o kit", "'rays' traces rays in the scene"},
+      {"shaders outline -o kit", "with --set outline.mode=paper it can"},
+      {"shaders bitmask -o kit --language cg", "--language cannot be 'cg': it is glsl, glsl-es, hlsl, msl or spirv"},
+      {"shaders bitmask -o kit --set denoise.rounds=2", "effect denoise is not among those to write, bitmask"},
+      {"shaders bitmask,bitmask -o kit", "effect bitmask is given twice"},
+      {"shaders bitmask -o tri.obj", "'tri.obj' is a file"},
+  };
+  for (const auto& [line, message] : cases) {
+    const auto outcome = run(line);
+    EXPECT_EQ(outcome.code, 2) << line;
+    EXPECT_NE(outcome.err.find(message), std::string::npos) << line << ": " << outcome.err;
+    EXPECT_FALSE(test::fs::exists(folder_ / "kit")) << line;
+  }
 }
 
 }  // namespace

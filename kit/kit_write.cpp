@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "io/image_file.h"
@@ -99,6 +101,17 @@ Result<KitFile> translated(const KitFile& file, const char* stage, ShaderLanguag
       stem + (stage == std::string_view("vert") ? "_vertex" : "") + std::string(language_extension(language)), *text};
 }
 
+/// Returns the names of the files of the kit that a folder holds; empty if it holds none.
+std::set<std::string> files_of_former_kit(const std::string& folder) {
+  std::ifstream stream(fs::path(folder) / "pass.json");
+  const auto record = nlohmann::json::parse(stream, nullptr, false);
+  std::set<std::string> names;
+  if (record.is_object() && record.contains("umbrage") && record.contains("files") && record["files"].is_array())
+    for (const auto& name : record["files"])
+      if (name.is_string()) names.insert(name.get<std::string>());
+  return names;
+}
+
 /// Returns all files of a kit.
 Result<std::vector<KitFile>> files_of(const Kit& kit) {
   const bool is_gl = kit.language == ShaderLanguage::kGlsl || kit.language == ShaderLanguage::kGlslEs;
@@ -127,28 +140,35 @@ Result<std::vector<KitFile>> files_of(const Kit& kit) {
   else
     files.push_back({"frame.h", kit_header(kit)});
   files.push_back({"README.md", kit_readme(kit)});
-  files.push_back({"pass.json", kit_json(kit)});
+  std::vector<std::string> names = {"pass.json"};
+  for (const KitFile& file : files) names.push_back(file.name);
+  files.push_back({"pass.json", kit_json(kit, names)});
   return files;
 }
 
 }  // namespace
 
 Result<void> write_kit(const Kit& kit, const std::string& folder) {
+  if (folder.empty()) return usage_error("-o names no folder");
   const auto files = files_of(kit);
   if (!files) return files.error();
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
     return usage_error("'{}' is a file; -o names the folder for the shaders", folder);
+  const std::set<std::string> former = files_of_former_kit(folder);
+  std::vector<fs::path> stale;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (std::none_of(files->begin(), files->end(), [&](const KitFile& file) { return file.name == name; }))
+    if (std::any_of(files->begin(), files->end(), [&](const KitFile& file) { return file.name == name; })) continue;
+    if (!former.count(name))
       return usage_error("the folder '{}' holds other files, such as '{}'; name a new folder", folder, name);
+    stale.push_back(entry->path());
   }
-  error.clear();
   fs::create_directories(folder, error);
   if (error) return file_error("the folder '{}' cannot be made ({})", folder, error.message());
   for (const KitFile& file : *files)
     if (auto status = write_text(fs::path(folder) / file.name, file.text); !status) return status.error();
+  for (const fs::path& file : stale) fs::remove(file, error);
   return {};
 }
 

@@ -24,7 +24,7 @@ Result<ShaderLanguage> language_of(const std::string& name) {
     if (language_name(language) == name) return language;
     names.push_back(language_name(language));
   }
-  return usage_error("--language cannot be '{}': it is {}", name, fmt::join(names, ", "));
+  return usage_error("--language cannot be '{}': it is {}", name, joined_by_or(names));
 }
 
 Result<void> run_shaders(const ShadersOptions& options) {
