@@ -62,8 +62,8 @@ class PageTest(unittest.TestCase):
                 'export * as normals from "../normals/frame.js";\nexport * as ao from "../ao/frame.js";\n')
             (page / "src").symlink_to(ROOT / "web/src")
             (page / "index.html").write_text("<!doctype html><title>kit</title>")
-            planes = umbrage.render("scene:solids", resolution=(WIDTH, HEIGHT), look="ao", ao="bitmask", ao_radius=0.4,
-                                    device="cpu", anti_aliasing=1, camera_view_angle=ANGLE,
+            planes = umbrage.render("scene:solids", size=(WIDTH, HEIGHT), look="ao", occlusion="bitmask", occlusion_radius=0.4,
+                                    device="cpu", anti_aliasing=1, camera={"view_angle_deg": ANGLE},
                                     passes=["depth", "normal", "ao"])
             depth, normal, expected = (numpy.flipud(planes[name]).astype("float32") for name in ("depth", "normal", "ao"))
             depth = numpy.where(numpy.isfinite(depth), depth, 0).astype("float32")
