@@ -27,6 +27,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION graphics)
 # Vulkan is loaded at run time if it is installed.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS libvulkan1)
 set(CPACK_DEBIAN_LAB_PACKAGE_NAME umbrage-lab)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "glslc, spirv-cross")  # umbrage shaders
 set(CPACK_DEBIAN_LAB_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_LAB_PACKAGE_RECOMMENDS libvulkan1)
 # The program starts this one; it must have the same version.

@@ -60,8 +60,12 @@ class Maker {
       if (!effect.constants) return usage_error("effect {} has no shaders", effect.name);
       if (k == reduced && effect.set_reduction && writes_reduced_light(k)) set_reduced_light(effect, params);
       kit_.effects.emplace_back(effect.name);
-      for (const Parameter& row : effect.parameters)
-        kit_.settings.push_back(fmt::format("{}.{}={}", effect.name, row.name, parameter_text(row, params)));
+      const ParameterBytes initial = initial_parameters(effect.parameters, effect.params_size);
+      for (const Parameter& row : effect.parameters) {
+        const std::string value = parameter_text(row, params);
+        kit_.settings.push_back(fmt::format("{}.{}={}", effect.name, row.name, value));
+        if (value != parameter_text(row, initial)) kit_.changed.push_back(kit_.settings.back());
+      }
       if (auto status = add(effect, params, k < reduced); !status) return status.error();
     }
     if (reduced > 0) add_reduction();

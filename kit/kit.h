@@ -46,6 +46,7 @@ struct KitFile {
 
 struct Kit {
   std::vector<std::string> effects, settings;  ///< names; "effect.parameter=value" of all parameters
+  std::vector<std::string> changed;            ///< the settings that are not the defaults
   ShaderLanguage language = ShaderLanguage::kGlsl;
   int factor = 1;  ///< of the reduced size
   std::vector<KitTexture> textures;
@@ -59,8 +60,8 @@ struct Kit {
 /// depends on the view in a way that has no formula.
 Result<Kit> make_kit(const std::vector<const Effect*>& effects, EffectSettings settings, ShaderLanguage language);
 
-/// Return the files beside the shaders: pass.json, which lists `files`, and README.md, and frame.h for C and C++ or frame.js for JavaScript,
-/// which fill the uniform blocks. frame.js also has the content of pass.json and the shaders.
+/// Return the files beside the shaders: pass.json, which lists `files`, and README.md, and frame.h for C and C++ or
+/// frame.js for JavaScript, which fill the uniform blocks. frame.js also has the content of pass.json and the shaders.
 std::string kit_json(const Kit& kit, const std::vector<std::string>& files = {});
 std::string kit_readme(const Kit& kit);
 std::string kit_header(const Kit& kit);

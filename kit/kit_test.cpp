@@ -101,8 +101,8 @@ class FrameFunctions {
           "memcpy(out, &f, sizeof f); return sizeof f; }}\n",
           block.effect, block.name);
     std::ofstream(folder + "/frame.c") << code;
-    const std::string command =
-        fmt::format("cc -std=c99 -Wall -Wextra -Wconversion -Werror -O1 -shared -fPIC -o {0}/frame.so {0}/frame.c -lm", folder);
+    const std::string command = fmt::format(
+        "cc -std=c99 -Wall -Wextra -Wconversion -Werror -O1 -shared -fPIC -o {0}/frame.so {0}/frame.c -lm", folder);
     EXPECT_EQ(std::system(command.c_str()), 0);
     library_ = ::dlopen((folder + "/frame.so").c_str(), RTLD_NOW);
     EXPECT_NE(library_, nullptr);
@@ -377,7 +377,8 @@ TEST_F(ShadersProgram, ReplacesItsOwnFilesAlone) {
 
 TEST_F(ShadersProgram, RefusesByName) {
   const std::pair<const char*, const char*> cases[] = {
-      {"shaders hatching -o kit", "effect hatching cannot be written as shaders: its step 'hatching_strokes' runs on the processor"},
+      {"shaders hatching -o kit",
+       "effect hatching cannot be written as shaders: its step 'hatching_strokes' runs on the processor"},
       {"shaders traced -o kit", "'rays' traces rays in the scene"},
       {"shaders outline -o kit", "with --set outline.mode=paper it can"},
       {"shaders bitmask -o kit --language cg", "--language cannot be 'cg': it is glsl, glsl-es, hlsl, msl or spirv"},

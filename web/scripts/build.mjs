@@ -37,20 +37,6 @@ export function shortened(text) {
     .replace(/vec3\(([\d.]+),\1,\1\)/g, "vec3($1)").replaceAll("@", " ")).join("\n");
 }
 
-/** Return the end of the first bracket from `at` on, or of the statement there. */
-function closing(text, at) {
-  for (let depth = 0; ; ++at) if ("([{".includes(text[at])) ++depth; else if (")]}".includes(text[at]) && --depth == 0) return at + 1;
-}
-function statementEnd(text, at) {
-  if (text[at] == "{") return closing(text, at);
-  if (/^(if|for|while)\(/.test(text.slice(at))) {
-    const end = statementEnd(text, closing(text, at)), other = text.slice(end).match(/^\s*else\b\s*/);
-    return other ? statementEnd(text, end + other[0].length) : end;
-  }
-  for (; text[at] != ";"; ++at) if (text[at] == "(") at = closing(text, at) - 1;
-  return at + 1;
-}
-
 /** Returns a text cut into the declarations at its top level, which several shaders share. */
 function pieces(text) {
   const parts = [];
@@ -61,40 +47,15 @@ function pieces(text) {
   return parts;
 }
 
-/** Writes the settings as numbers, and removes branches and declarations that are then never used. */
-function folded(text) {
-  const [whole, kind, fields, values] = text.match(/struct (\w+Settings)\{([^}]*)\};const \1 C=\1\((.*?)\);/) ?? ["", "", "", ""], known = new Map();
-  const list = values.match(/(?:[^,(]|\([^)]*\))+/g) ?? [];
-  [...fields.matchAll(/ (\w+)(\[\d+\])?;/g)].forEach(([, name, array], k) => array || known.set("C." + name, list[k].startsWith("-") ? `(${list[k]})` : list[k]));
-  for (const [, names] of text.matchAll(/const (?:int|bool|float) (k\w+=[^;]*);/g))
-    for (const one of names.split(",")) if (/^\w+=(-?[\d.]+(e-?\d+)?|true|false)$/.test(one)) known.set(...one.replace(/=(-.*)/, "=($1)").split("="));
-  const value = (condition) => {
-    const parts = condition.split("&&").map((part) => part.replace(/[\w.]+/g, (word) => known.get(word) ?? word));
-    const results = parts.map((part) => (/^[-\d.=!<>()]+$|^!?(true|false)$/.test(part) ? String(Boolean(Function(`return ${part}`)())) : part)).filter((part) => part != "true");
-    return results.includes("false") ? "false" : results.join("&&") || "true";
-  };
-  for (let at = 0; (at = text.indexOf("if(", at)) >= 0; ) {
-    const open = closing(text, at), condition = text.slice(at + 3, open - 1), found = condition.includes("||") ? condition : value(condition);
-    const end = statementEnd(text, open), other = text.slice(end).match(/^\s*else\s*/), last = other ? statementEnd(text, end + other[0].length) : end;
-    if (found == "true") text = text.slice(0, at) + text.slice(open, end) + text.slice(last);
-    else if (found == "false") text = text.slice(0, at) + (other ? text.slice(end + other[0].length, last) : /else\s*$/.test(text.slice(0, at)) ? ";" : "") + text.slice(last);
-    else at += 3;
-  }
-  text = text.replace(/\bC\.\w+|\bk[A-Z]\w*(?![\w=])/g, (name) => known.get(name) ?? name);
-  const left = fields.split(";").map((field, k) => [field, list[k]]).filter(([field]) => field && text.includes("C." + field.match(/ (\w+)/)[1]));
-  if (whole) text = text.replace(whole, `struct ${kind}{${left.map(([field]) => field + ";").join("")}};const ${kind} C=${kind}(${left.map(([, value]) => value)});`);
-  let parts = pieces(text);
-  for (let before = 0; before != parts.length; ) {
-    before = parts.length;
-    const counts = new Map();
-    for (const part of parts) for (const name of new Set(part.match(/[A-Za-z_]\w*/g))) counts.set(name, (counts.get(name) ?? 0) + 1);
-    parts = parts.filter((part) => {
-      if (/^\s*(#|precision|layout|void main|$)/.test(part)) return true;
-      const names = /^\s*struct/.test(part) ? [part.match(/struct (\w+)/)[1]] : part.includes("{") ? [part.match(/(\w+)\(/)[1]] : part.match(/\w+(?=[=;,])/g);
-      return names?.some((name) => counts.get(name) > 1);
-    });
-  }
-  return parts.join("");
+/** Writes the settings as numbers in place of the struct that holds them. */
+function inlined(text) {
+  const [whole, kind, fields, values] = text.match(/struct (\w+Settings)\{([^}]*)\};const \1 C=\1\((.*?)\);/) ?? [""];
+  if (!whole) return text;
+  const list = values.match(/(?:[^,(]|\([^)]*\))+/g), known = new Map();
+  const all = [...fields.matchAll(/(\w+ (\w+)(?:\[\d+\])?;)/g)].map(([, field, name], k) => [field, name, list[k]]), left = all.filter(([field]) => field.includes("["));
+  for (const [field, name, number] of all) if (!field.includes("[")) known.set("C." + name, number.startsWith("-") ? `(${number})` : number);
+  const rest = left.length ? `struct ${kind}{${left.map(([field]) => field).join("")}};const ${kind} C=${kind}(${left.map(([, , value]) => value)});` : "";
+  return text.replace(whole, rest).replace(/\bC\.\w+/g, (name) => known.get(name) ?? name);
 }
 
 // Words that GLSL defines, and those that the programs look up.
@@ -122,7 +83,7 @@ async function writeKits() {
     const folder = join(generated, name);
     execFileSync(umbrage, ["shaders", effects, "--language", "glsl-es", ...set.flatMap((one) => ["--set", one]), "-o", folder], { stdio: ["ignore", "ignore", "inherit"] });
     const { kit, sources, reducedView } = await import(pathToFileURL(join(folder, "frame.js")).href);
-    all.push({ name, kit, reducedView, files: [...new Set(kit.passes.map((pass) => pass.file))].map((file) => [file, folded(shortened(sources[file]))]) });
+    all.push({ name, kit, reducedView, files: [...new Set(kit.passes.map((pass) => pass.file))].map((file) => [file, inlined(shortened(sources[file]))]) });
   }
   const rename = renamed(all.flatMap(({ files }) => files.map(([, text]) => text))), pool = [], functions = [];
   const lines = all.map(({ name, kit, files }, index) => {
