@@ -7,7 +7,7 @@
 // F is the uniform block of what depends on the view, C the settings. There is one depth layer. A place is the column
 // and the row of a pixel, 16 bits each.
 //
-// Differences from the other targets: without FMA, mad rounds twice; the depth of the background is 0 in textures, and
+// Differences from the other targets: without FMA, mul_add rounds twice; the depth of the background is 0 in textures, and
 // kFar in the shader, since GLSL ES guarantees no infinities.
 const int kLanes = 1;
 const int kListLength = 8;
@@ -23,7 +23,7 @@ ivec2 here;
 bool is_finite(float a) { return abs(a) < kMaxFinite; }
 
 // Returns a b + c, rounded once where the GPU can.
-float mad(float a, float b, float c) { return fma(a, b, c); }
+float mul_add(float a, float b, float c) { return fma(a, b, c); }
 
 // Return a where the condition holds, otherwise b.
 float select(bool condition, float a, float b) { return condition ? a : b; }

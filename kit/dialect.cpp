@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "kit/kernel_items.h"
+#include "kit/text.h"
 
 namespace umbrage {
 namespace {
@@ -20,31 +20,8 @@ constexpr std::pair<std::string_view, std::string_view> kWords[] = {
     {"to_real", "float"},       {"bits_of", "floatBitsToUint"},
     {"rsqrt", "inversesqrt"},   {"real_of_bits", "uintBitsToFloat"},
     {"popcount", "count_bits"}, {"pow", "power"},
+    {"mad", "mul_add"},  // `mad` is a function of HLSL
 };
-
-/// Returns the index of the parenthesis that closes the one at `open`.
-std::size_t closing(std::string_view text, std::size_t open) {
-  int depth = 0;
-  for (std::size_t k = open; k < text.size(); ++k) {
-    depth += text[k] == '(' || text[k] == '[' ? 1 : text[k] == ')' || text[k] == ']' ? -1 : 0;
-    if (depth == 0) return k;
-  }
-  return text.size() - 1;
-}
-
-/// Splits arguments at the commas outside parentheses.
-std::vector<std::string> arguments_of(std::string_view text) {
-  std::vector<std::string> parts(1);
-  int depth = 0;
-  for (const char c : text) {
-    depth += c == '(' || c == '[' ? 1 : c == ')' || c == ']' ? -1 : 0;
-    if (c == ',' && depth == 0)
-      parts.emplace_back();
-    else if (!parts.back().empty() || (c != ' ' && c != '\n'))
-      parts.back() += c;
-  }
-  return parts;
-}
 
 /// Replaces the calls of a function by what `by` returns of their arguments, inner ones first.
 std::string with_calls(std::string text, std::string_view function,
@@ -54,7 +31,7 @@ std::string with_calls(std::string text, std::string_view function,
     const std::size_t open = at + function.size();
     if ((at > 0 && is_word(text[at - 1])) || open >= text.size() || text[open] != '(') continue;
     const std::size_t end = closing(text, open);
-    text.replace(at, end + 1 - at, by(arguments_of(std::string_view(text).substr(open + 1, end - open - 1))));
+    text.replace(at, end + 1 - at, by(split_outside(std::string_view(text).substr(open + 1, end - open - 1), ",")));
   }
   return text;
 }

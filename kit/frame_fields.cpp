@@ -106,7 +106,7 @@ std::string number_text(double value) {
   const float single = float(value);
   for (int digits = 1; digits < 9; ++digits) {
     const std::string text = fmt::format("{:.{}g}", value, digits);
-    if (std::abs(std::stod(text) / value - 1.0) < 4e-8) return text;
+    if (std::abs(std::stod(text) / value - 1.0) < 2e-7) return text;
   }
   return fmt::format("{:.9g}", single);
 }
@@ -165,16 +165,27 @@ std::string monomial_text(const ValueOf& value) {
   return result.text();
 }
 
+/// Returns the shortest number in [low, high).
+std::string number_between(double low, double high) {
+  for (int digits = 1; digits < 17; ++digits) {
+    const std::string text = fmt::format("{:.{}g}", 0.5 * (low + high), digits);
+    if (const double value = std::stod(text); value >= low && value < high) return text;
+  }
+  return fmt::format("{:.17g}", low);
+}
+
 /// Returns the formula of an integer that grows with the height of the picture in steps, min(max(floor(k height + b),
-/// 1), max); or an empty text.
+/// min), max); or an empty text.
 std::string steps_text(const ValueOf& value) {
-  constexpr int kMaxHeight = 8192;
+  constexpr int kMaxHeight = 16384;
   std::vector<int> values;
   for (int height = 1; height <= kMaxHeight; ++height) {
     View view;
     view.height = height;
     values.push_back(int(value(view)));
   }
+  for (const View& view : other_views())  // it depends on nothing else
+    if (int(value(view)) != values[std::size_t(view.height) - 1]) return {};
   const int min = values.front(), max = values.back();
   for (const double offset : {0.5, 0.25, 0.75, 0.0, -0.25, -0.5}) {
     double low = 0.0, high = 1e9;  // range of k
@@ -184,8 +195,7 @@ std::string steps_text(const ValueOf& value) {
       if (v < max) high = std::min(high, (v + 1 - offset) / height);
     }
     if (low < high && max > min)
-      return fmt::format("min(max(floor({} * height + {}), {}), {})", number_text(0.5 * (low + high)), offset, min,
-                         max);
+      return fmt::format("min(max(floor({} * height + {}), {}), {})", number_between(low, high), offset, min, max);
   }
   return {};
 }
@@ -308,6 +318,7 @@ EffectFields effect_fields(const Effect& effect, const ParameterBytes& params, s
     const bool is_taken = std::any_of(result.frame.begin(), result.frame.end(),
                                       [&](const FrameField& other) { return other.field.name == field.name; });
     field.count = 1;
+    field.is_array = false;
     result.frame.push_back(
         {field, has_more ? "" : formula_of(effect, field, value), is_taken ? "layer_" + field.name : field.name});
   }

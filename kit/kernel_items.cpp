@@ -8,6 +8,8 @@
 
 #include "core/check.h"
 #include "core/lists.h"
+#include "kit/fold.h"
+#include "kit/text.h"
 
 namespace umbrage {
 namespace {
@@ -22,45 +24,16 @@ std::vector<std::string> lines_of(std::string_view text) {
   return lines;
 }
 
-std::string trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t\n"), end = text.find_last_not_of(" \t\n");
-  return begin == std::string_view::npos ? std::string() : std::string(text.substr(begin, end - begin + 1));
-}
-
-/// Splits "a, b, c".
-std::vector<std::string> split(std::string_view text, char separator) {
-  std::vector<std::string> parts;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(separator, begin), text.size());
-    parts.push_back(trimmed(text.substr(begin, end - begin)));
-    begin = end + 1;
-  }
-  return parts;
-}
-
-std::string without_comment(std::string_view line) { return trimmed(line.substr(0, line.find("//"))); }
+std::string without_comment(std::string_view line) { return stripped(line.substr(0, line.find("//"))); }
 
 using Macros = std::map<std::string, std::string>;
 
 Macros macros_of(const KernelText& kernel) {
   Macros macros;
-  for (const std::string& word : split(kernel.macros, ' '))
+  for (const std::string& word : split_outside(kernel.macros, " "))
     if (const std::size_t at = word.find('='); at != std::string::npos)
       macros[word.substr(0, at)] = word.substr(at + 1);
   return macros;
-}
-
-/// Returns the value of "a == b" for two integers, or the text itself.
-std::string evaluated(const std::string& line) {
-  const std::size_t at = line.find(" == ");
-  if (at == std::string::npos || at == 0) return line;
-  std::size_t begin = at, end = at + 4;
-  while (begin > 0 && is_word(line[begin - 1])) --begin;
-  while (end < line.size() && is_word(line[end])) ++end;
-  const std::string a = line.substr(begin, at - begin), b = line.substr(at + 4, end - at - 4);
-  const auto is_number = [](const std::string& text) { return !text.empty() && text[0] >= '0' && text[0] <= '9'; };
-  if (!is_number(a) || !is_number(b)) return line;
-  return line.substr(0, begin) + (a == b ? "true" : "false") + line.substr(end);
 }
 
 /// The lines of a file and of those that it includes, without preprocessor lines.
@@ -80,13 +53,13 @@ class Assembler {
       }
       for (const auto& [name, value] : macros_) line = with_word(line, name, value);
       if (line.starts_with("#ifndef")) continue;  // the guard of a header, whose #endif removes nothing
-      if (line.starts_with("#if ")) active.push_back(active.back() && evaluated(line).ends_with("true"));
-      if (line.starts_with("#else")) active.back() = !active.back();
+      if (line.starts_with("#if ")) active.push_back(active.back() && decided(line.substr(4), {}) == true);
+      if (line.starts_with("#else")) active.back() = !active.back() && active[active.size() - 2];
       if (line.starts_with("#endif") && active.size() > 1) active.pop_back();
       if (!active.back()) continue;
       if (line.starts_with("#include \"") && line.ends_with(".kernel.h\"")) add(line.substr(10, line.size() - 11));
       if (line.starts_with('#') || line.starts_with("// KERNEL ")) continue;
-      lines.push_back(line.starts_with("CONST bool") ? evaluated(line) : line);
+      lines.push_back(line);
     }
   }
 
@@ -104,7 +77,7 @@ std::vector<std::string> names_of(const std::string& text) {
   for (const std::string_view prefix : {"FN_RARE ", "FN ", "CONST ", "const "})
     if (code.starts_with(prefix)) code = code.substr(prefix.size());
   if (text.starts_with("const ") || text.starts_with("CONST ")) {
-    for (const std::string& part : split(text, ','))
+    for (const std::string& part : split_outside(text, ","))
       if (const std::size_t equals = part.find('='); equals != std::string::npos) {
         const auto words = words_of(part.substr(0, equals));
         if (!words.empty()) names.push_back(words.back());
@@ -124,7 +97,7 @@ bool add_planes(const std::string& line, std::vector<KernelPlane>& planes) {
   std::string macro = line.substr(0, open);
   if (!macro.starts_with("IN") && !macro.starts_with("OUT_") && !macro.starts_with("LIST_") && macro != "SUMS")
     return false;
-  std::vector<std::string> names = split(std::string_view(line).substr(open + 1, close - open - 1), ',');
+  std::vector<std::string> names = split_outside(std::string_view(line).substr(open + 1, close - open - 1), ",");
   KernelPlane plane{.type = "float"};
   plane.kind = macro.starts_with("INOUT") ? Kind::kInOut : macro.starts_with("IN") ? Kind::kIn : Kind::kOut;
   if (macro == "SUMS" || macro.starts_with("LIST_")) {
@@ -193,49 +166,18 @@ KernelItems items_in(const std::vector<std::string>& lines) {
   return result;
 }
 
-/// Returns the value of an expression of integers, names of constants, * and +.
-int evaluated_integer(std::string_view header, std::string_view expression) {
-  int sum = 0;
-  for (const std::string& term : split(expression, '+')) {
-    int product = 1;
-    for (const std::string& factor : split(term, '*')) {
-      int value = 0;
-      const auto [end, error] = std::from_chars(factor.data(), factor.data() + factor.size(), value);
-      product *= error == std::errc() ? value : integer_constant(header, factor);
-    }
-    sum += product;
+/// Returns the value of a product of integers and names of constants.
+int product_of(std::string_view header, std::string_view factors) {
+  int product = 1;
+  for (const std::string& factor : split_outside(factors, "*")) {
+    int value = 0;
+    const auto [end, error] = std::from_chars(factor.data(), factor.data() + factor.size(), value);
+    product *= error == std::errc() ? value : integer_constant(header, factor);
   }
-  return sum;
+  return product;
 }
 
 }  // namespace
-
-std::vector<std::string> words_of(std::string_view text) {
-  std::vector<std::string> words;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    if (text.substr(k).starts_with("//")) {
-      k = std::min(text.find('\n', k), text.size());
-      continue;
-    }
-    if (!is_word(text[k])) continue;
-    const std::size_t begin = k;
-    while (k < text.size() && is_word(text[k])) ++k;
-    words.emplace_back(text.substr(begin, k - begin));
-    --k;
-  }
-  return words;
-}
-
-std::string with_word(std::string_view text, std::string_view word, std::string_view by) {
-  std::string out;
-  for (std::size_t k = 0; k < text.size();) {
-    const bool matches = text.substr(k).starts_with(word) && (k == 0 || !is_word(text[k - 1])) &&
-                         (k + word.size() == text.size() || !is_word(text[k + word.size()]));
-    out += matches ? by : text.substr(k, 1);
-    k += matches ? word.size() : 1;
-  }
-  return out;
-}
 
 KernelItems kernel_items(const KernelText& kernel) {
   Assembler assembler(macros_of(kernel));
@@ -255,18 +197,18 @@ std::vector<ConstantField> constant_fields(std::string_view header, std::string_
   bool inside = false;
   for (const std::string& line : lines_of(source_text(header))) {
     if (inside && line == "};") return fields;
-    if (inside && trimmed(line).starts_with("//")) before += (before.empty() ? "" : " ") + trimmed(line).substr(3);
+    if (inside && stripped(line).starts_with("//")) before += (before.empty() ? "" : " ") + stripped(line).substr(3);
     const std::string code = without_comment(line);
     if (inside && code.ends_with(';')) {
       const std::size_t comment = line.find("// ");
       std::string about = comment == std::string::npos ? before : line.substr(comment + 3);
       before.clear();
       const std::string type = code.substr(0, code.find(' '));
-      for (std::string field : split(std::string_view(code).substr(type.size(), code.size() - type.size() - 1), ',')) {
+      for (std::string field :
+           split_outside(std::string_view(code).substr(type.size(), code.size() - type.size() - 1), ",")) {
         const std::size_t bracket = field.find('[');
         const bool is_array = bracket != std::string::npos;
-        const int count =
-            is_array ? evaluated_integer(header, field.substr(bracket + 1, field.size() - bracket - 2)) : 1;
+        const int count = is_array ? product_of(header, field.substr(bracket + 1, field.size() - bracket - 2)) : 1;
         fields.push_back({type, field.substr(0, bracket), count, is_array, about});
       }
     }
@@ -277,7 +219,7 @@ std::vector<ConstantField> constant_fields(std::string_view header, std::string_
 
 int integer_constant(std::string_view header, std::string_view name) {
   for (const std::string_view file : {header, kFrame}) {
-    const auto words = words_of(source_text(file));
+    const auto words = words_of(std::string(source_text(file)));
     for (std::size_t k = 0; k + 1 < words.size(); ++k) {
       int value = 0;
       const std::string& next = words[k + 1];

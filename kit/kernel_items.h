@@ -53,15 +53,4 @@ int integer_constant(std::string_view header, std::string_view name);
 /// Returns the body of a macro of glsl_images.h, with its line breaks: "IN_PLANE".
 std::string plane_template(std::string_view name);
 
-/// Returns whether a name can contain a character.
-inline bool is_word(char c) {
-  return c == '_' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-}
-
-/// Returns the words of a text that could be names, without comments.
-std::vector<std::string> words_of(std::string_view text);
-
-/// Replaces whole words.
-std::string with_word(std::string_view text, std::string_view word, std::string_view by);
-
 }  // namespace umbrage

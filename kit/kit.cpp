@@ -18,6 +18,12 @@ std::string capitalized(std::string_view name) {
   return text;
 }
 
+/// The effects that kits are tested with. Of the others some run on the processor or trace rays; the rest depend on
+/// lights and layers that a kit does not have.
+constexpr std::string_view kExported[] = {"alchemy",   "antialias", "bitmask", "box",        "composite", "denoise",
+                                          "gaussian",  "gooch",     "hbao",    "hemisphere", "normals",   "outline",
+                                          "shanmugam", "sphere",    "ssdo",    "toon",       "unsharp",   "upsample"};
+
 bool needs_more_than_shaders(const Dispatch& dispatch) { return dispatch.host || dispatch.rays; }
 
 /// Returns settings with which an effect has shaders only, or an empty text.
@@ -51,14 +57,16 @@ class Maker {
   }
 
   Result<Kit> make() {
-    std::size_t reduced = 0;  // effects at reduced size
-    for (std::size_t k = 0; k < effects_.size(); ++k)
-      if (effects_[k]->set_reduction) reduced = k;
+    // Effects from `first` up to `end` run at reduced size.
+    std::size_t first = effects_.size(), end = 0;
+    for (std::size_t k = effects_.size(); k-- > 0;) {
+      if (effects_[k]->set_reduction && end == 0) end = k;
+      if (!effects_[k]->set_reduction && writes(*effects_[k], params_of(settings_, effects_[k]->name), "ao")) first = k;
+    }
     for (std::size_t k = 0; k < effects_.size(); ++k) {
       const Effect& effect = *effects_[k];
       ParameterBytes& params = params_of(settings_, effect.name);
-      if (!effect.constants) return usage_error("effect {} has no shaders", effect.name);
-      if (k == reduced && effect.set_reduction && writes_reduced_light(k)) set_reduced_light(effect, params);
+      if (effect.set_reduction && writes_reduced_light(k)) set_int(*find_parameter(effect, "indirect"), 1, params);
       kit_.effects.emplace_back(effect.name);
       const ParameterBytes initial = initial_parameters(effect.parameters, effect.params_size);
       for (const Parameter& row : effect.parameters) {
@@ -66,9 +74,10 @@ class Maker {
         kit_.settings.push_back(fmt::format("{}.{}={}", effect.name, row.name, value));
         if (value != parameter_text(row, initial)) kit_.changed.push_back(kit_.settings.back());
       }
-      if (auto status = add(effect, params, k < reduced); !status) return status.error();
+      if (k >= first || effect.set_reduction) kit_.factor = factor_of_upsampler();
+      if (auto status = add(effect, params, k >= first && k < end); !status) return status.error();
     }
-    if (reduced > 0) add_reduction();
+    if (first < end) add_reduction();
     describe_textures();
     return std::move(kit_);
   }
@@ -81,17 +90,15 @@ class Maker {
     });
   }
 
-  static void set_reduced_light(const Effect& effect, ParameterBytes& params) {
-    if (const Parameter* row = find_parameter(effect, "indirect")) set_int(*row, 1, params);
-  }
-
   Result<void> add(const Effect& effect, const ParameterBytes& params, bool is_reduced) {
-    const auto runs = dispatches_in_order(effect, params, usual_picture(), PixelSet::kAll);
+    const auto runs = effect.constants ? dispatches_in_order(effect, params, usual_picture(), PixelSet::kAll)
+                                       : std::vector<std::pair<const Dispatch*, int>>();
     if (runs.empty()) return usage_error("effect {} does nothing with these settings", effect.name);
     for (const auto& [dispatch, round] : runs)
       if (needs_more_than_shaders(*dispatch)) return cannot_be_shader(effect, *dispatch);
+    if (std::find(std::begin(kExported), std::end(kExported), effect.name) == std::end(kExported))
+      return usage_error("effect {} is not written as shaders; these are: {}", effect.name, fmt::join(kExported, ", "));
     const KernelText& any = kernel_text(runs[0].first->kernel);
-    if (is_reduced) kit_.factor = factor_of_upsampler();
     const auto fields = effect_fields(effect, params, any.header, any.constants, is_reduced ? kit_.factor : 1);
     const auto absent = absent_planes(effect, runs);
     std::map<const Dispatch*, ShaderParts> parts;
@@ -134,7 +141,7 @@ class Maker {
       const std::string text = parameter_text(*row, params_of(settings_, effect->name));
       return text == "4" ? 4 : 2;
     }
-    return 2;
+    return 1;
   }
 
   static std::string file_of(const Effect& effect, const Dispatch& dispatch) {
@@ -191,18 +198,19 @@ class Maker {
 
   /// Adds a pass for each reduced plane that nothing writes, which makes it from the plane of full size.
   void add_reduction() {
-    std::vector<KitPass> passes;
     for (const std::string& name : read_before_written()) {
       if (!name.starts_with(reduced_plane(""))) continue;
       const std::string whole = name.substr(reduced_plane("").size());
       texture(whole, texture(name, 1, true).channels, false);
-      passes.push_back({.file = "reduce.frag",
-                        .is_reduced = true,
-                        .samplers = {"plane_texture"},
-                        .inputs = {whole},
-                        .outputs = {name}});
+      const auto reader = std::find_if(kit_.passes.begin(), kit_.passes.end(),
+                                       [&](const KitPass& pass) { return contains(pass.inputs, name); });
+      kit_.passes.insert(reader, {.file = "reduce.frag",
+                                  .effect = "",
+                                  .is_reduced = true,
+                                  .samplers = {"plane_texture"},
+                                  .inputs = {whole},
+                                  .outputs = {name}});
     }
-    kit_.passes.insert(kit_.passes.begin(), passes.begin(), passes.end());
     kit_.shaders.push_back({"reduce.frag", reduction_shader(kit_.language, kit_.factor)});
   }
 
@@ -264,20 +272,6 @@ class Maker {
 };
 
 }  // namespace
-
-int KitBlock::offset(std::size_t field) const {
-  int at = 0;
-  for (std::size_t k = 0;; ++k) {
-    if (fields[k].field.is_array) at = (at + 15) / 16 * 16;
-    if (k == field) return at;
-    at += fields[k].field.is_array ? 16 : 4;
-  }
-}
-
-int KitBlock::size() const {
-  const int last = int(fields.size()) - 1;
-  return (offset(std::size_t(last)) + 4 + 15) / 16 * 16;
-}
 
 Result<Kit> make_kit(const std::vector<const Effect*>& effects, EffectSettings settings, ShaderLanguage language) {
   return Maker(effects, std::move(settings), language).make();

@@ -5,6 +5,7 @@
 #include "core/lists.h"
 #include "core/version.h"
 #include "kit/kit.h"
+#include "kit/text.h"
 
 namespace umbrage {
 namespace {
@@ -51,7 +52,7 @@ nlohmann::ordered_json record_of(const KitBlock& block) {
     const FrameField& field = block.fields[k];
     fields.push_back({{"name", field.member},
                       {"type", field.field.type},
-                      {"offset", block.offset(k)},
+                      {"offset", 4 * k},
                       {"formula", field.formula},
                       {"about", field.field.about}});
   }
@@ -106,42 +107,32 @@ static inline DepthFrame depth_frame(float z_near, float z_far, int reversed) {
 }
 )";
 
-constexpr std::string_view kMipsInC = R"(
+// FUNCTION and INTEGER are the words of C or JavaScript; >> divides in both.
+constexpr std::string_view kMips = R"(
 /* The levels that fit into a texture of the picture's size, one below the other, and the rows of the first of them. */
-static inline int mip_rows_of(int height, int levels) {
-  const int multiple = 1 << (levels - 1);
-  return (height / 2 + multiple - 1) / multiple * multiple;
+FUNCTION mip_rows_of(PARAMETER height, PARAMETER levels) {
+  INTEGER multiple = 1 << (levels - 1);
+  return ((((height >> 1) + multiple - 1) >> (levels - 1)) * multiple);
 }
-static inline int mip_levels(int width, int height) {
-  int levels = 5;
+FUNCTION mip_levels(PARAMETER width, PARAMETER height) {
+  INTEGER levels = 5;
   for (; levels > 0; --levels) {
-    const int rows = mip_rows_of(height, levels);
-    if (2 * rows - rows / (1 << (levels - 1)) <= height && width >> levels > 0 && height >> levels > 0) break;
+    INTEGER rows = mip_rows_of(height, levels);
+    if (2 * rows - (rows >> (levels - 1)) <= height && width >> levels > 0 && height >> levels > 0) break;
   }
   return levels;
 }
-static inline int mip_rows(int width, int height) {
-  const int levels = mip_levels(width, height);
+FUNCTION mip_rows(PARAMETER width, PARAMETER height) {
+  INTEGER levels = mip_levels(width, height);
   return levels > 0 ? mip_rows_of(height, levels) : 0;
 }
 )";
 
-constexpr std::string_view kMipsInScript = R"(
-// The levels that fit into a texture of the picture's size, one below the other, and the rows of the first of them.
-const mip_rows_of = (height, levels) => Math.ceil(Math.floor(height / 2) / 2 ** (levels - 1)) * 2 ** (levels - 1);
-const mip_levels = (width, height) => {
-  let levels = 5;
-  for (; levels > 0; --levels) {
-    const rows = mip_rows_of(height, levels);
-    if (2 * rows - rows / 2 ** (levels - 1) <= height && width >> levels > 0 && height >> levels > 0) break;
-  }
-  return levels;
-};
-const mip_rows = (width, height) => {
-  const levels = mip_levels(width, height);
-  return levels > 0 ? mip_rows_of(height, levels) : 0;
-};
-)";
+std::string mips_text(bool is_script) {
+  std::string text = replaced(std::string(kMips), "FUNCTION", is_script ? "function" : "static inline int");
+  text = replaced(text, "INTEGER", is_script ? "let" : "int");
+  return replaced(text, "PARAMETER ", is_script ? "" : "int ");
+}
 
 /// Returns the declarations of the variables that the formulas of a block need. `view`: how a field of the view is
 /// read: "v->{}".
@@ -164,29 +155,19 @@ std::string variables(const KitBlock& block, bool is_script) {
   return text;
 }
 
-std::string snake(const KitBlock& block) { return block.effect + "_frame"; }
-
 std::string struct_text(const KitBlock& block) {
   std::string text =
       fmt::format("\n/* The uniform block of {}, std140. */\ntypedef struct {} {{\n", block.effect, block.name);
-  int at = 0, pads = 0;
-  for (std::size_t k = 0; k < block.fields.size(); ++k) {
-    const FrameField& field = block.fields[k];
-    const int offset = block.offset(k);
-    if (offset > at) text += fmt::format("  float pad{}[{}];\n", ++pads, (offset - at) / 4);
-    const std::string comment = field.field.about.empty() ? "" : fmt::format("  /* {} */", field.field.about);
-    text += field.field.is_array
-                ? fmt::format("  {} {}[4]; /* only the first is read */{}\n", field.field.type, field.member, comment)
-                : fmt::format("  {} {};{}\n", field.field.type, field.member, comment);
-    at = offset + (field.field.is_array ? 16 : 4);
-  }
-  if (block.size() > at) text += fmt::format("  float pad{}[{}];\n", ++pads, (block.size() - at) / 4);
+  for (const FrameField& field : block.fields)
+    text += fmt::format("  {} {};{}\n", field.field.type, field.member,
+                        field.field.about.empty() ? "" : fmt::format("  /* {} */", field.field.about));
+  if (const std::size_t pad = std::size_t(block.size()) / 4 - block.fields.size(); pad > 0)
+    text += fmt::format("  float pad[{}];\n", pad);
   text += fmt::format(
       "}} {};\n\nstatic inline {} {}(const UmbrageView* v, int round) {{\n{}  {} f;\n  memset(&f, 0, sizeof f);\n",
-      block.name, block.name, snake(block), variables(block, false), block.name);
+      block.name, block.name, block.effect + "_frame", variables(block, false), block.name);
   for (const FrameField& field : block.fields)
-    text += fmt::format("  f.{}{} = ({})({});\n", field.member, field.field.is_array ? "[0]" : "", field.field.type,
-                        c_formula(field.formula));
+    text += fmt::format("  f.{} = ({})({});\n", field.member, field.field.type, c_formula(field.formula));
   if (!formula_words(block).count("round")) text += "  (void)round;\n";
   return text + "  return f;\n}\n";
 }
@@ -202,6 +183,7 @@ std::string kit_json(const Kit& kit, const std::vector<std::string>& files) {
   for (const KitTexture& texture : kit.textures) record["textures"].push_back(record_of(texture));
   for (const KitBlock& block : kit.blocks) record["blocks"][block.effect] = record_of(block);
   for (const KitPass& pass : kit.passes) record["passes"].push_back(record_of(pass, language_extension(kit.language)));
+  if (const std::string_view error = kit_error(kit); !error.empty()) record["rmse"] = std::stod(std::string(error));
   if (!files.empty()) record["files"] = files;
   return record.dump(1) + "\n";
 }
@@ -231,7 +213,7 @@ static inline UmbrageView umbrage_reduced_view(const UmbrageView* v, int factor)
 }
 )";
   text += kDepthInC;
-  if (uses_mips(kit)) text += kMipsInC;
+  if (uses_mips(kit)) text += mips_text(false);
   for (const KitBlock& block : kit.blocks) text += struct_text(block);
   return text;
 }
@@ -244,7 +226,7 @@ std::string kit_script(const Kit& kit, const std::vector<KitFile>& files) {
   for (const ViewField& field : kView)
     text += fmt::format("//   {}{}\n", field.script, *field.about ? fmt::format(": {}", field.about) : "");
   text += "const { min, max, floor, sqrt } = Math;\n";
-  if (uses_mips(kit)) text += kMipsInScript;
+  if (uses_mips(kit)) text += mips_text(true);
   text += R"(
 // Returns the view of the picture that has every `factor`th pixel of every `factor`th row.
 export function reducedView(view, factor) {
@@ -264,7 +246,7 @@ export const frames = {
     for (std::size_t k = 0; k < block.fields.size(); ++k) {
       const FrameField& field = block.fields[k];
       text += fmt::format("    data.set{}({}, {}, true);  // {}\n", field.field.type == "int" ? "Int32" : "Float32",
-                          block.offset(k), field.formula, field.member);
+                          4 * k, field.formula, field.member);
     }
     text += "    return data.buffer;\n  },\n";
   }

@@ -8,8 +8,6 @@
 namespace umbrage {
 namespace {
 
-using Role = KitTexture::Role;
-
 /// What the planes that callers bring or get contain.
 constexpr struct {
   std::string_view name, about;
@@ -17,9 +15,8 @@ constexpr struct {
     {"depth",
      "distance along the view axis, scene units, above 0; 0: background. `linear_depth` makes it of a depth buffer"},
     {"normal",
-     "unit vector, view space: x to the right, y up, z to the viewer; 0: background. `#define UMBRAGE_NORMALS 1` "
-     "before the shader for vectors stored as 0 to 1, 2 for octahedral ones in two channels. The effect "
-     "`normals` makes it of depth"},
+     "unit vector, view space: x to the right, y up, z to the viewer; 0: background. The effect `normals` makes it "
+     "of depth"},
     {"ao", "fraction of ambient light that arrives, 0 to 1"},
     {"indirect", "light that arrives from other surfaces, linear: multiply it by the albedo"},
     {"albedo", "diffuse reflectance, linear"},
@@ -55,15 +52,6 @@ constexpr struct {
     {"unsharp", "", ".274"},
 };
 
-std::string error_text(const Kit& kit) {
-  std::string effects = fmt::format("{}", fmt::join(kit.effects, ","));
-  if (effects.starts_with("normals,")) effects.erase(0, 8);
-  for (const auto& row : kErrors)
-    if (row.effects == effects && row.changed == fmt::format("{}", fmt::join(kit.changed, " ")))
-      return fmt::format("RMSE of `ao` with these settings against ray tracing, over eight scenes: {}. ", row.rmse);
-  return "";
-}
-
 int bytes_of(const KitTexture& texture) { return texture.channels == 1 ? 4 : 16; }
 
 const KitTexture& texture_of(const Kit& kit, const std::string& name) {
@@ -71,26 +59,78 @@ const KitTexture& texture_of(const Kit& kit, const std::string& name) {
                        [&](const auto& texture) { return texture.name == name; });
 }
 
+constexpr std::string_view kFirst = R"(# {0} as {1} shaders
+
+Made by Umbrage {2}: `umbrage shaders {3} --language {1}`. MIT licence. `pass.json` has the content of this page for programs.
+
+Each shader is a fragment shader for a triangle that covers the picture (`screen`). Run the passes in order. Bind the textures to the
+samplers, without filtering, and draw to the outputs, by location. {4}Row 0 of a plane is the {5}. A pass that reads a plane that it
+writes needs two textures, which are then swapped.
+
+)";
+
+constexpr std::string_view kUniforms = R"(
+## Uniform blocks
+
+std140, one per effect; `{0}` fills them. `width` and `height` are pixels of the pass; `left`, `right`, `bottom` and `top` the
+window of the picture at depth 1 (orthographic: in scene units), `pixel_width` = (right - left) / width, `pixel_height` = (top -
+bottom) / height. For a camera with a vertical field of view a: top = tan(a / 2), bottom = -top, right = top width / height, left =
+-right. Of a perspective matrix P of OpenGL, P[column][row]: right = (1 + P[2][0]) / P[0][0], left = (P[2][0] - 1) / P[0][0],
+top = (1 + P[2][1]) / P[1][1], bottom = (P[2][1] - 1) / P[1][1].
+
+The block of `linear_depth`, DepthFrame: int `kind`, floats `a`, `b` and `background`. {1}
+)";
+
+constexpr std::string_view kDepthKinds =
+    "Perspective: kind 0, a = 1 / near, b = 1 / far - 1 / near; reversed depth: a = 1 / far, b = 1 / near - 1 / far; "
+    "of an "
+    "infinite far plane 1 / far is 0. Orthographic: kind 1, a = near, b = far - near. Logarithmic depth of three.js: "
+    "kind 2, b = "
+    "log2(far + 1). background: 1, with reversed depth 0.";
+
+/// Returns where a language binds blocks and textures.
+std::string_view bindings_text(ShaderLanguage language) {
+  switch (language) {
+    case ShaderLanguage::kHlsl:
+      return "The entry point is `main`. The block is register b0; textures are t1, t2 and so on, in the order of "
+             "`reads`, each "
+             "with a sampler of its number, which `Load` does not use. ";
+    case ShaderLanguage::kMsl:
+      return "The entry point is `main0`. The block is buffer 0; textures are 0, 1 and so on, in the order of "
+             "`reads`. ";
+    case ShaderLanguage::kSpirv:
+      return "The entry point is `main`. In set 0 the block is binding 0; textures are 1, 2 and so on, in the order of "
+             "`reads`. ";
+    default:
+      return "Blocks and samplers are found by name. ";
+  }
+}
+
 }  // namespace
+
+std::string_view kit_error(const Kit& kit) {
+  std::string effects = fmt::format("{}", fmt::join(kit.effects, ","));
+  if (effects.starts_with("normals,")) effects.erase(0, 8);
+  for (const auto& row : kErrors)
+    if (row.effects == effects && row.changed == fmt::format("{}", fmt::join(kit.changed, " "))) return row.rmse;
+  return {};
+}
 
 std::string kit_readme(const Kit& kit) {
   const bool is_gl = kit.language == ShaderLanguage::kGlsl || kit.language == ShaderLanguage::kGlslEs;
   const std::string extension(language_extension(kit.language));
-  std::string text = fmt::format(
-      "# {} as {} shaders\n\nMade by Umbrage {}: `umbrage shaders {} --language {}`. MIT licence. `pass.json` has the "
-      "content of "
-      "this page for programs.\n\n"
-      "Each shader is a fragment shader for a triangle that covers the picture (`screen`). Run the passes in order. "
-      "Bind the "
-      "textures to the samplers, without filtering, and draw to the outputs, by location. Row 0 of a plane is the {} "
-      "of the "
-      "picture{}. A pass that reads a plane that it writes needs two textures, which are then swapped.\n\n",
-      fmt::join(kit.effects, ", "), language_name(kit.language), project_version(), fmt::join(kit.effects, ","),
-      language_name(kit.language), is_gl ? "last row" : "top row", is_gl ? ", as OpenGL draws" : "");
+  std::string text = fmt::format(kFirst, fmt::join(kit.effects, ", "), language_name(kit.language), project_version(),
+                                 fmt::join(kit.effects, ","), bindings_text(kit.language),
+                                 is_gl ? "last row of the picture, as OpenGL draws" : "top row of the picture");
   text += "## Textures\n\n| name | | channels | format | content |\n|---|---|---|---|---|\n";
   for (const KitTexture& texture : kit.textures) {
     constexpr std::string_view kRoles[] = {"input", "input and output", "intermediate", "output"};
     std::string content = about(texture.name);
+    if (is_gl && texture.name == "normal")
+      content +=
+          ". `#define UMBRAGE_NORMALS 1` after the line of `#version` for vectors stored as 0 to 1, 2 for octahedral "
+          "ones "
+          "in two channels";
     if (texture.is_reduced) content += fmt::format("{}1/{} of the size", content.empty() ? "" : "; ", kit.factor);
     if (texture.has_neutral)
       content += fmt::format("{}optional: without it, bind a texture of one pixel with {}", content.empty() ? "" : "; ",
@@ -111,30 +151,21 @@ std::string kit_readme(const Kit& kit) {
                         round, pass.is_reduced ? fmt::format("1/{}", kit.factor) : "full", fmt::join(pass.inputs, ", "),
                         fmt::join(pass.outputs, ", "), bytes);
   }
-  text += fmt::format(
-      "\n## Uniform blocks\n\nstd140, one per effect; `{}` fills them. `width` and `height` are pixels of the pass; "
-      "`left`, "
-      "`right`, `bottom` and `top` the window of the picture at depth 1 (orthographic: in scene units), `pixel_width` "
-      "= (right - "
-      "left) / width, `pixel_height` = (top - bottom) / height. For a camera with a vertical field of view a: top = "
-      "tan(a / 2), "
-      "bottom = -top, right = top width / height, left = -right. Of a perspective matrix P of OpenGL, P[column][row]: "
-      "right = (1 + P[2][0]) / P[0][0], left = (P[2][0] - 1) / P[0][0], top = (1 + P[2][1]) / P[1][1], bottom = "
-      "(P[2][1] - 1) / "
-      "P[1][1].\n",
-      kit.language == ShaderLanguage::kGlslEs ? "frame.js" : "frame.h");
+  text += fmt::format(kUniforms, kit.language == ShaderLanguage::kGlslEs ? "frame.js" : "frame.h", kDepthKinds);
   for (const KitBlock& block : kit.blocks) {
     text += fmt::format("\n### {}, {} bytes\n\n| offset | field | formula | |\n|---|---|---|---|\n", block.name,
                         block.size());
     for (std::size_t k = 0; k < block.fields.size(); ++k) {
       const FrameField& field = block.fields[k];
-      text += fmt::format("| {} | {} `{}`{} | `{}` | {} |\n", block.offset(k), field.field.type, field.member,
-                          field.field.is_array ? "[1]" : "", field.formula, field.field.about);
+      text += fmt::format("| {} | {} `{}` | `{}` | {} |\n", 4 * k, field.field.type, field.member, field.formula,
+                          field.field.about);
     }
   }
   text += "\n## Settings\n\nWritten into the shaders as `const`; another `--set` gives other shaders.\n\n";
   for (const std::string& setting : kit.settings) text += fmt::format("* `{}`\n", setting);
-  text += fmt::format("\n{}Errors and costs of other settings: docs/shaders.md of Umbrage.\n", error_text(kit));
+  if (const std::string_view error = kit_error(kit); !error.empty())
+    text += fmt::format("\nRMSE of `ao` with these settings against ray tracing, over eight scenes: {}.\n", error);
+  text += "\nErrors and costs of other settings: docs/shaders.md of Umbrage.\n";
   return text;
 }
 

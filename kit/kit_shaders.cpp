@@ -45,12 +45,11 @@ std::string linear_depth_shader(ShaderLanguage language) {
   return with_head(
       language,
       fmt::format(
-          R"(// Makes the plane `depth`, the distance along the view axis in scene units and 0 for background, of a depth buffer d.
-// kind 0, perspective:  depth = 1 / (a + b d).  Standard: a = 1 / near, b = 1 / far - 1 / near; with reversed depth, which
-//                       is 1 at the near plane: a = 1 / far, b = 1 / near - 1 / far. An infinite far plane: 1 / far = 0.
-// kind 1, orthographic: depth = a + b d.        Standard: a = near, b = far - near; reversed: a = far, b = near - far.
-// kind 2, logarithmic:  depth = 2^(b d) - 1.    three.js: b = log2(far + 1).
-// background: the value to which the buffer is cleared, 1 or with reversed depth 0.
+          R"(// Makes the plane `depth` of a depth buffer d: distance along the view axis in scene units, 0 for background.
+// kind 0, perspective:  depth = 1 / (a + b d)
+// kind 1, orthographic: depth = a + b d
+// kind 2, logarithmic:  depth = 2^(b d) - 1
+// background: the value to which the buffer is cleared. README.md has a and b.
 layout(std140{0}) uniform DepthFrame {{
   int kind;
   float a, b, background;
@@ -74,8 +73,7 @@ std::string reduction_shader(ShaderLanguage language, int factor) {
             : fmt::format("ivec2(int(gl_FragCoord.x) * {0}, size.y - 1 - (rows - 1 - int(gl_FragCoord.y)) * {0})",
                           factor);
   const std::string rows = binds ? "" : fmt::format("  int rows = (size.y + {0} - 1) / {0};\n", factor);
-  return with_head(language,
-                   fmt::format(R"(// Takes every {0}th pixel of every {0}th row of a plane, from the top left corner.
+  return with_head(language, fmt::format(R"(// Takes one of {0} x {0} pixels of a plane, the upper left one.
 {1}uniform highp sampler2D plane_texture;
 layout(location = 0) out highp vec4 plane_out;
 
@@ -84,7 +82,7 @@ void main() {{
 {2}  plane_out = texelFetch(plane_texture, {3}, 0);
 }}
 )",
-                               factor, binds ? "layout(binding = 1) " : "", rows, place));
+                                         factor, binds ? "layout(binding = 1) " : "", rows, place));
 }
 
 }  // namespace umbrage

@@ -42,6 +42,10 @@ constexpr Case kCases[] = {
     {"sphere", ""},
     {"alchemy", ""},
     {"hbao", ""},
+    {"box", ""},
+    {"gaussian", ""},
+    {"shanmugam", ""},
+    {"normals,bitmask,upsample", ""},
     {"composite", "composite.tint=1"},
     {"toon", "toon.smoothness=4"},
     {"toon", "toon.mode=paper"},
@@ -191,7 +195,7 @@ std::optional<Texels> texels_of(const Image& image, const std::string& name) {
   return texels;
 }
 
-/// Runs effects on the CPU; those before `upsample` at reduced size.
+/// Runs effects on the CPU; those before `upsample` at reduced size, from the first on that writes occlusion.
 Image on_cpu(const Prepared& p, const GBuffer& whole, int factor) {
   const auto device = make_cpu_device(CpuSettings{});
   std::optional<Frame> frame;
@@ -199,8 +203,13 @@ Image on_cpu(const Prepared& p, const GBuffer& whole, int factor) {
       p.effects.size() > 1 && p.effects.back()->set_reduction ? p.effects.size() - 1 : 0;
   GBuffer input = whole;
   if (reduced_effects > 0) {
-    auto small = device->upload(reduced(whole, factor));
-    for (std::size_t k = 0; k < reduced_effects; ++k)
+    std::size_t first = 0;  // that writes occlusion; those before it run at full size
+    auto full = device->upload(whole);
+    for (; !writes(*p.effects[first], params_of(p.settings, p.effects[first]->name), "ao"); ++first)
+      EXPECT_TRUE(device->run(*p.effects[first], params_of(p.settings, p.effects[first]->name), *full));
+    input.layers[0] = *device->download_all(*full);
+    auto small = device->upload(reduced(input, factor));
+    for (std::size_t k = first; k < reduced_effects; ++k)
       EXPECT_TRUE(device->run(*p.effects[k], params_of(p.settings, p.effects[k]->name), *small));
     const auto planes = device->download_all(*small);
     for (std::size_t k = 0; k < planes->planes.size(); ++k) {
@@ -255,7 +264,7 @@ TEST_P(KitTest, FormulasAreThoseOfTheEffect) {
       for (std::size_t k = 0; k < block.fields.size(); ++k) {
         const FrameField& field = block.fields[k];
         std::uint32_t expected = 0, found = 0;
-        std::memcpy(&found, bytes.data() + block.offset(k), 4);
+        std::memcpy(&found, bytes.data() + 4 * k, 4);
         int at = 0;
         bool is_own = false;
         for (const ConstantField& each : constant_fields(text.header, text.constants)) {
@@ -285,7 +294,7 @@ TEST_P(KitTest, FormulasAreThoseOfTheEffect) {
   }
 }
 
-/// The share of pixels that may differ by more than the bound: GPUs round differently, and single samples flip.
+/// The fraction of pixels that may differ by more than the bound: GPUs round differently, and single samples flip.
 constexpr double kMaxDiffering = 1e-3;
 constexpr float kMaxDifference = 4e-3f;
 
@@ -349,17 +358,56 @@ INSTANTIATE_TEST_SUITE_P(Effects, KitTest, testing::ValuesIn(kCases), [](const a
 
 class ShadersProgram : public test::ProgramTest {};
 
-TEST_F(ShadersProgram, WritesAFolderForEachLanguage) {
-  for (const std::string language : {"glsl", "glsl-es", "hlsl", "msl", "spirv"}) {
-    const auto outcome = run("shaders bitmask,denoise -o " + language + " --language " + language);
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    for (const std::string file : {"README.md", "pass.json"})
-      EXPECT_TRUE(test::fs::exists(folder_ / language / file)) << file;
-    const std::string extension(language == "hlsl"    ? ".hlsl"
-                                : language == "msl"   ? ".metal"
-                                : language == "spirv" ? ".spv"
-                                                      : ".frag");
-    EXPECT_TRUE(test::fs::exists(folder_ / language / ("bitmask_occlusion" + extension)));
+/// Returns the files of a folder with an extension.
+std::vector<test::fs::path> files_with(const test::fs::path& folder, std::string_view extension) {
+  std::vector<test::fs::path> files;
+  for (const auto& entry : test::fs::directory_iterator(folder))
+    if (entry.path().extension() == extension) files.push_back(entry.path());
+  EXPECT_FALSE(files.empty()) << folder;
+  return files;
+}
+
+int code_of(const std::string& command) { return std::system((command + " > /dev/null").c_str()); }
+
+TEST_F(ShadersProgram, WritesValidSpirv) {
+  for (const Case& which : kCases) {
+    std::string line = fmt::format("shaders {} -o kit --language spirv", which.effects);
+    for (const std::string& setting : test::words_of(which.settings)) line += " --set " + setting;
+    ASSERT_EQ(run(line).code, 0) << line;
+    for (const auto& file : files_with(folder_ / "kit", ".spv"))
+      EXPECT_EQ(code_of("spirv-val --target-env vulkan1.1 " + file.string()), 0) << line << ": " << file;
+  }
+}
+
+TEST_F(ShadersProgram, WritesHlslAndMsl) {
+  for (const std::string effects : {"bitmask,denoise,upsample", "toon", "antialias", "normals"}) {
+    ASSERT_EQ(run(fmt::format("shaders {} -o hlsl --language hlsl", effects)).code, 0);
+    ASSERT_EQ(run(fmt::format("shaders {} -o msl --language msl", effects)).code, 0);
+    for (const auto& file : files_with(folder_ / "hlsl", ".hlsl"))
+      EXPECT_EQ(code_of(fmt::format("glslangValidator -D -V -e main -S {} -o /dev/null {}",
+                                    file.stem() == "screen_vertex" ? "vert" : "frag", file.string())),
+                0)
+          << file;
+    for (const auto& file : files_with(folder_ / "msl", ".metal"))
+      EXPECT_NE(test::text_of(file).find("main0"), std::string::npos) << file;
+  }
+}
+
+TEST_F(ShadersProgram, NamesTheErrorsOfTheDocumentation) {
+  const std::string docs = test::text_of(test::fs::path(test::kSourceFolder) / "docs/shaders.md");
+  const std::pair<const char*, const char*> rows[] = {
+      {"bitmask,denoise", "| `bitmask,denoise` | **{}**"},
+      {"bitmask,denoise,upsample", "| `bitmask,denoise,upsample` | {} "},
+      {"hemisphere,denoise", "| `hemisphere,denoise` | {} "},
+      {"unsharp", "| `unsharp` | {} "},
+  };
+  for (const auto& [effects, row] : rows) {
+    ASSERT_EQ(run(fmt::format("shaders {} -o kit", effects)).code, 0);
+    const std::string readme = test::text_of(folder_ / "kit/README.md"), before = "over eight scenes: ";
+    const std::size_t at = readme.find(before);
+    ASSERT_NE(at, std::string::npos) << effects;
+    EXPECT_NE(docs.find(fmt::format(fmt::runtime(row), readme.substr(at + before.size(), 4))), std::string::npos)
+        << effects;
   }
 }
 
@@ -375,6 +423,17 @@ TEST_F(ShadersProgram, ReplacesItsOwnFilesAlone) {
   EXPECT_TRUE(test::fs::exists(folder_ / "kit/bitmask_horizon.frag"));
 }
 
+TEST_F(ShadersProgram, DoesNotReplaceFilesOfOthers) {
+  for (const std::string name : {"README.md", "pass.json"}) {
+    test::fs::create_directory(folder_ / "own");
+    write("own/" + name, "mine");
+    EXPECT_EQ(run("shaders bitmask -o own").code, 2) << name;
+    EXPECT_EQ(test::text_of(folder_ / "own" / name), "mine");
+    test::fs::remove_all(folder_ / "own");
+  }
+  EXPECT_EQ(run("shaders bitmask -o kit --language msl", "TMPDIR=/nonexistent").code, 3);
+}
+
 TEST_F(ShadersProgram, RefusesByName) {
   const std::pair<const char*, const char*> cases[] = {
       {"shaders hatching -o kit",
@@ -383,6 +442,7 @@ TEST_F(ShadersProgram, RefusesByName) {
       {"shaders outline -o kit", "with --set outline.mode=paper it can"},
       {"shaders bitmask -o kit --language cg", "--language cannot be 'cg': it is glsl, glsl-es, hlsl, msl or spirv"},
       {"shaders bitmask -o kit --set denoise.rounds=2", "effect denoise is not among those to write, bitmask"},
+      {"shaders lighting -o kit", "effect lighting is not written as shaders; these are: alchemy"},
       {"shaders bitmask,bitmask -o kit", "effect bitmask is given twice"},
       {"shaders bitmask -o tri.obj", "'tri.obj' is a file"},
   };

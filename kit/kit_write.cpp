@@ -11,43 +11,26 @@
 #include "io/image_file.h"
 #include "kit/kit.h"
 #include "system/child_process.h"
+#include "system/machine.h"
 
 namespace umbrage {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder for temporary files, which the destructor removes.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "umbrage-shaders-XXXXXX").string();
-    if (::mkdtemp(name.data())) path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-/// Runs a program of the system. Errors: kDevice if it is missing or fails.
-Result<void> run_program_of_system(const std::string& program, std::vector<std::string> words,
-                                   ShaderLanguage language) {
+/// Runs a program of the system, which translates `shader`. Errors: kDevice if it is missing or fails.
+Result<void> run_translator(const std::string& program, std::vector<std::string> words, const std::string& shader,
+                            ShaderLanguage language) {
   pid_t child = 0;
   ChildProgram start{
       .program = program, .words = std::move(words), .files = {{.number = 0}, {.number = 1}, {.number = 2, .from = 2}}};
-  int status = 0;
+  int status = -1;
   if (start_child(start, child) != 0)
     return device_error("the language {} needs the program {}, which is missing: install the package {}",
                         language_name(language), program, program);
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    return device_error("{} cannot translate the shader {}", program, start.words.back());
+    return device_error("{} cannot translate the shader {}", program, shader);
   return {};
 }
 
@@ -57,14 +40,6 @@ Result<std::string> content_of(const fs::path& file) {
   text << stream.rdbuf();
   if (!stream) return file_error("{} cannot be read", file.string());
   return text.str();
-}
-
-Result<void> put(const fs::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) return file_error("{} cannot be written", file.string());
-  return {};
 }
 
 /// Returns the comment at the start of a shader in GLSL.
@@ -80,10 +55,10 @@ Result<KitFile> translated(const KitFile& file, const char* stage, ShaderLanguag
   const std::string stem = file.name.substr(0, file.name.rfind('.'));
   const fs::path source = folder / (stem + "." + stage), binary = folder / (stem + ".spv"),
                  out = folder / (stem + ".out");
-  if (auto status = put(source, file.text); !status) return status.error();
+  if (auto status = write_text(source, file.text); !status) return status.error();
   const std::string stage_word = fmt::format("-fshader-stage={}", stage);
-  if (auto status = run_program_of_system(
-          "glslc", {stage_word, "--target-env=vulkan1.1", "-o", binary.string(), source.string()}, language);
+  if (auto status = run_translator(
+          "glslc", {stage_word, "--target-env=vulkan1.1", "-o", binary.string(), source.string()}, file.name, language);
       !status)
     return status.error();
   const fs::path* result = &binary;
@@ -91,7 +66,7 @@ Result<KitFile> translated(const KitFile& file, const char* stage, ShaderLanguag
     std::vector<std::string> words = {binary.string(), "--output", out.string()};
     if (language == ShaderLanguage::kHlsl) words.insert(words.end(), {"--hlsl", "--shader-model", "50"});
     if (language == ShaderLanguage::kMsl) words.insert(words.end(), {"--msl", "--msl-version", "20000"});
-    if (auto status = run_program_of_system("spirv-cross", words, language); !status) return status.error();
+    if (auto status = run_translator("spirv-cross", words, file.name, language); !status) return status.error();
     result = &out;
   }
   auto text = content_of(*result);
@@ -123,15 +98,14 @@ Result<std::vector<KitFile>> files_of(const Kit& kit) {
     files = shaders;
     files.push_back(triangle);
   } else {
-    const TemporaryFolder folder;
-    if (folder.path().empty())
-      return file_error("no temporary folder can be made in {}", fs::temp_directory_path().string());
+    const auto folder = TemporaryFolder::create();
+    if (!folder) return folder.error();
     for (const KitFile& shader : shaders) {
-      auto file = translated(shader, "frag", kit.language, folder.path());
+      auto file = translated(shader, "frag", kit.language, folder->path());
       if (!file) return file.error();
       files.push_back(std::move(*file));
     }
-    auto file = translated(triangle, "vert", kit.language, folder.path());
+    auto file = translated(triangle, "vert", kit.language, folder->path());
     if (!file) return file.error();
     files.push_back(std::move(*file));
   }
@@ -156,19 +130,20 @@ Result<void> write_kit(const Kit& kit, const std::string& folder) {
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
     return usage_error("'{}' is a file; -o names the folder for the shaders", folder);
   const std::set<std::string> former = files_of_former_kit(folder);
-  std::vector<fs::path> stale;
+  std::set<std::string> stale;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (std::any_of(files->begin(), files->end(), [&](const KitFile& file) { return file.name == name; })) continue;
     if (!former.count(name))
       return usage_error("the folder '{}' holds other files, such as '{}'; name a new folder", folder, name);
-    stale.push_back(entry->path());
+    stale.insert(name);
   }
   fs::create_directories(folder, error);
   if (error) return file_error("the folder '{}' cannot be made ({})", folder, error.message());
-  for (const KitFile& file : *files)
-    if (auto status = write_text(fs::path(folder) / file.name, file.text); !status) return status.error();
-  for (const fs::path& file : stale) fs::remove(file, error);
+  for (auto file = files->rbegin(); file != files->rend(); ++file) {  // pass.json first, which names the others
+    if (auto status = write_text(fs::path(folder) / file->name, file->text); !status) return status.error();
+    stale.erase(file->name);
+  }
+  for (const std::string& name : stale) fs::remove(fs::path(folder) / name, error);
   return {};
 }
 

@@ -3,22 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <regex>
 
 #include "core/check.h"
 #include "core/version.h"
 #include "kit/dialect.h"
 #include "kit/fold.h"
+#include "kit/text.h"
 
 namespace umbrage {
 namespace {
 
 using Kind = KernelPlane::Kind;
-
-std::string replaced(std::string text, std::string_view what, std::string_view by) {
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
-    text.replace(at, what.size(), by);
-  return text;
-}
 
 /// Returns the name of the texture of a plane: that of a colour for its alpha.
 std::string texture_of(const KernelPlane& plane) {
@@ -102,8 +98,9 @@ KnownValues known_values(const std::vector<KernelItem>& items, const EffectField
     for (const std::string& name : item.names) {
       const std::size_t begin = item.text.find(name + " = ") + name.size() + 3;
       const std::string value = item.text.substr(begin, item.text.find_first_of(",;", begin) - begin);
-      if (value == "true" || value == "false") known[name] = value == "true";
-      if (!value.empty() && value.find_first_not_of("-0123456789") == std::string::npos) known[name] = std::stod(value);
+      const bool is_integer = !value.empty() && value.find_first_not_of("-0123456789") == std::string::npos;
+      if (is_integer) known[name] = std::stod(value);
+      if (const auto flag = decided(value, {}); flag && !is_integer) known[name] = *flag;
     }
   }
   for (const SettingField& setting : fields.settings)
@@ -150,20 +147,9 @@ std::string without_unread(const KernelItem& item, const std::set<std::string>& 
 
 /// Adds the names after "F." or "C.".
 void add_members(const std::string& text, char owner, std::set<std::string>& names) {
-  const std::string blank = [&] {
-    std::string code;
-    for (std::size_t k = 0; k < text.size(); ++k) {
-      if (text.compare(k, 2, "//") == 0) k = std::min(text.find('\n', k), text.size() - 1);
-      code += text[k];
-    }
-    return code;
-  }();
-  for (std::size_t at = 0; (at = blank.find(std::string{owner, '.'}, at)) != std::string::npos; ++at) {
-    const bool is_member = at == 0 || !(std::isalnum(blank[at - 1]) || blank[at - 1] == '_' || blank[at - 1] == '.');
-    std::size_t end = at + 2;
-    while (end < blank.size() && (std::isalnum(blank[end]) || blank[end] == '_')) ++end;
-    if (is_member) names.insert(blank.substr(at + 2, end - at - 2));
-  }
+  const std::string code = blanked(text);
+  const std::regex member(fmt::format("\\b{}\\.([a-z_0-9]+)", owner));
+  for (std::sregex_iterator at(code.begin(), code.end(), member), end; at != end; ++at) names.insert((*at)[1]);
 }
 
 void add_plane(std::vector<ShaderPlane>& planes, const std::string& name, int channels) {
@@ -223,8 +209,11 @@ ShaderParts shader_parts(const KernelText& kernel, const EffectFields& fields,
   }
   KnownValues known = known_values(items, fields);
   if (is_first_round_alone) known["F.round"] = 0.0;
-  for (KernelItem& item : items)
+  for (KernelItem& item : items) {
     if (item.text.ends_with("}")) item.text = folded(item.text, known);
+    if (item.text.starts_with("const bool ") && known.count(item.names[0]))
+      item.text = fmt::format("const bool {} = {};", item.names[0], known.at(item.names[0]) != 0.0);
+  }
   ShaderParts parts;
   parts.about = source.about;
   parts.entry = kernel.entry;
@@ -233,11 +222,13 @@ ShaderParts shader_parts(const KernelText& kernel, const EffectFields& fields,
   for (const KernelItem& item : parts.items)
     if (item.names.size() == 1 || !item.text.starts_with("const "))
       for (const std::string& word : words_of(item.text)) words.insert(word);
+  static const std::regex array_element("F\\.([a-z_0-9]+)\\[[^\\]]*\\]");  // of the first layer or light, the only one
   for (KernelItem& item : parts.items) {
     item.text = without_unread(item, words);
     for (const auto& [name, member] : varying)
       if (item.text.find("C." + name) != std::string::npos)
         item.text = replaced(with_word(replaced(item.text, "C.", "C__"), "C__" + name, "F." + member), "C__", "C.");
+    item.text = std::regex_replace(item.text, array_element, "F.$1");
     item.text = replaced(item.text, "ROW_0_AT_TOP ? pixel : ivec2(pixel.x, size.y - 1 - pixel.y)",
                          language == ShaderLanguage::kGlsl || language == ShaderLanguage::kGlslEs
                              ? "ivec2(pixel.x, size.y - 1 - pixel.y)"
@@ -248,6 +239,9 @@ ShaderParts shader_parts(const KernelText& kernel, const EffectFields& fields,
     add_members(item.text, 'C', parts.settings);
   }
   parts.frame.insert({"width", "height"});
+  for (const std::string& name : parts.frame)
+    if (std::none_of(fields.frame.begin(), fields.frame.end(), [&](auto& frame) { return frame.member == name; }))
+      fail_check(fmt::format("{} reads F.{}", kernel.name, name));
   for (const KernelPlane& plane : source.planes) {
     const bool is_read = words.count(texture_of(plane) + "_texture") > 0;
     const bool is_written = words.count(texture_of(plane) + "_out") > 0;
@@ -278,8 +272,7 @@ std::string shader_text(const ShaderParts& parts, const EffectFields& fields, co
                       is_gl ? "" : fmt::format(", binding = {}", binding), head.block);
   for (const FrameField& frame : head.frame) {
     text += wrapped_comment(frame.field.about, "  ");
-    text += fmt::format("  {} {};\n", frame.field.type,
-                        frame.member + (frame.field.is_array ? fmt::format("[{}]", frame.field.count) : ""));
+    text += fmt::format("  {} {};\n", frame.field.type, frame.member);
   }
   text += "} F;\n\n";
   std::string members, values;

@@ -2,7 +2,9 @@
 #include "system/machine.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -30,6 +32,20 @@ Result<std::filesystem::path> temporary_folder() {
   const char* named = std::getenv("TMPDIR");
   return file_error("the folder for temporary files, '{}', cannot be used: {}{}", named ? named : "/tmp",
                     error.message(), named ? "; set TMPDIR to another" : "");
+}
+
+Result<TemporaryFolder> TemporaryFolder::create() {
+  const auto place = temporary_folder();
+  if (!place) return place.error();
+  std::string path = (*place / "umbrage-XXXXXX").string();
+  if (!::mkdtemp(path.data()))  // mkdtemp lets only the owner in
+    return file_error("a temporary folder cannot be created in '{}': {}", place->string(), std::strerror(errno));
+  return TemporaryFolder(path);
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace umbrage

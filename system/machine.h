@@ -13,4 +13,20 @@ double available_memory();
 /// Returns the folder for temporary files: TMPDIR, or /tmp. Errors: kFile if it is not a folder.
 Result<std::filesystem::path> temporary_folder();
 
+/// A folder in the system's temporary folder that only the user may enter; the destructor removes it with its content.
+/// Signals that end the program must be handled so that destructors run: see wait_for_end in apps/cli/view.cpp.
+class TemporaryFolder {
+ public:
+  /// Errors: kFile.
+  static Result<TemporaryFolder> create();
+  TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::move(other.path_)) { other.path_.clear(); }
+  ~TemporaryFolder();
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  explicit TemporaryFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  std::filesystem::path path_;
+};
+
 }  // namespace umbrage

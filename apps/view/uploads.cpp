@@ -12,25 +12,10 @@
 #include <vector>
 
 #include "apps/view/messages.h"
-#include "system/machine.h"
 
 namespace umbrage::view {
 
 namespace fs = std::filesystem;
-
-Result<TemporaryFolder> TemporaryFolder::create() {
-  const auto place = temporary_folder();
-  if (!place) return place.error();
-  std::string path = (*place / "umbrage-view-XXXXXX").string();
-  if (!::mkdtemp(path.data()))  // mkdtemp lets only the owner in
-    return file_error("a folder for uploads cannot be created in '{}': {}", place->string(), std::strerror(errno));
-  return TemporaryFolder(path);
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  if (!path_.empty()) fs::remove_all(path_, ignored);
-}
 
 namespace {
 
