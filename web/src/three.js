@@ -67,7 +67,9 @@ export class UmbragePass extends Pass {
       };
       to.customProgramCacheKey = () => "umbrage";
       this.materials.set(from, to);
-      from.addEventListener("dispose", () => { to.dispose(); this.materials.delete(from); });
+      const end = () => { to.dispose(); this.materials.delete(from); };
+      from.addEventListener("dispose", end);
+      to.addEventListener("dispose", () => from.removeEventListener("dispose", end));
     }
     for (const key of KEPT) if (from[key] !== undefined) to[key] = from[key];
     if (to.userData.version !== from.version) {

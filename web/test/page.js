@@ -97,7 +97,16 @@ window.tests = {
     document.body.style.margin = 0;
     const { scene } = makeScene(), camera = makeCamera(width / height);
     composerOf(renderer, new RenderPass(scene, camera), new UmbragePass(scene, camera, options), new OutputPass());
-    return renderer.getContext().getError();
+    const gl = renderer.getContext(), data = new Uint8Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, data);
+    const result = { error: gl.getError(), mean: 0, black: 0, colored: 0 };
+    for (let k = 0; k < data.length; k += 4) {
+      const rgb = data.slice(k, k + 3), max = Math.max(...rgb), min = Math.min(...rgb);
+      result.mean += max / (width * height);
+      result.black += (max < 20) / (width * height);
+      result.colored += (max - min > 60) / (width * height);
+    }
+    return result;
   },
   /** Counts GL objects that remain after 100 resizes, and after dispose(). */
   leaks() {

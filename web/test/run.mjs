@@ -164,7 +164,11 @@ const tests = {
   },
   async "looks"() {
     for (const [name, options] of Object.entries({ ao: { output: "ao" }, picture: {}, half: { output: "ao", halfResolution: true }, bleeding: { look: "bleeding" }, toon: { look: "toon" } })) {
-      assert.equal(await call("picture", { width: 800, height: 600, options }), 0);
+      const { error, mean, black, colored } = await call("picture", { width: 800, height: 600, options });
+      console.log(`    ${name}: mean ${mean.toFixed(0)}, black ${black.toFixed(3)}, coloured ${colored.toFixed(3)}`);
+      assert.equal(error, 0);
+      assert(options.output == "ao" ? colored == 0 && mean > 225 && mean < 253 : colored > 0.15 && mean > 100 && mean < 230, name);
+      assert(name == "toon" ? black > 0.005 && black < 0.1 : black < 0.005, name);
       if (process.env.PICTURES) await page.screenshot({ path: join(process.env.PICTURES, name + ".png") });
     }
   },
