@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/lists.h"
-#include "core/parameters.h"
 
 namespace umbrage {
 

@@ -4,7 +4,6 @@
 #include <cstring>
 
 #include "core/check.h"
-#include "core/length.h"
 #include "core/numbers.h"
 #include "core/suggest.h"
 

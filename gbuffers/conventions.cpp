@@ -7,7 +7,6 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
-#include <optional>
 
 #include "core/lists.h"
 #include "core/lowercase.h"

@@ -1,6 +1,5 @@
 // Conversion of stored values to the planes of core/gbuffer.h. A pure function of conventions and values.
 #pragma once
-#include <cstdint>
 #include <string>
 #include <vector>
 

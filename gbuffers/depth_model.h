@@ -2,11 +2,9 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
-#include <glm/vec3.hpp>
 #include <limits>
-#include <numbers>
 
-#include "core/camera.h"
+#include "core/pixel_grid.h"
 #include "gbuffers/settings.h"
 
 namespace umbrage {
@@ -53,31 +51,5 @@ inline double view_depth(const DepthModel& model, double stored, double ray) {
   }
   return v > 0.0 ? v : kNoDepth;
 }
-
-/// The rays of a camera's pixels.
-struct PixelGrid {
-  double left = 0.0, top = 0.0, step_x = 1.0, step_y = 1.0;
-  int width = 1, height = 1;
-  bool orthographic = false;
-
-  PixelGrid(const Camera& camera, int pixels_x, int pixels_y)
-      : left(camera.left),
-        top(camera.top),
-        step_x((double(camera.right) - camera.left) / pixels_x),
-        step_y((double(camera.top) - camera.bottom) / pixels_y),
-        width(pixels_x),
-        height(pixels_y),
-        orthographic(camera.projection == Projection::kOrthographic) {}
-  double u(double x) const { return left + (x + 0.5) * step_x; }
-  double v(double y) const { return top - (y + 0.5) * step_y; }
-  /// Returns the direction of a pixel of a panorama that shows all longitudes and latitudes.
-  glm::dvec3 direction(double x, double y) const {
-    const double longitude = 2.0 * std::numbers::pi * (x + 0.5) / width,
-                 latitude = std::numbers::pi * (0.5 - (y + 0.5) / height);
-    return {std::cos(latitude) * std::sin(longitude), std::sin(latitude), std::cos(latitude) * std::cos(longitude)};
-  }
-  /// Returns the length of the ray at depth 1.
-  double ray(double x, double y) const { return orthographic ? 1.0 : std::sqrt(1.0 + u(x) * u(x) + v(y) * v(y)); }
-};
 
 }  // namespace umbrage

@@ -2,7 +2,6 @@
 // stored normals, or, without normals, if flat surfaces come out flat.
 #pragma once
 #include <glm/vec3.hpp>
-#include <span>
 #include <vector>
 
 #include "gbuffers/depth_model.h"

@@ -1,9 +1,6 @@
 // Statistics of stored depths: range, values that mean no surface, resolution.
 #pragma once
 #include <array>
-#include <optional>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "gbuffers/conventions.h"

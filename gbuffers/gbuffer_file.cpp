@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
-#include <string>
-#include <vector>
 
 #include "core/lists.h"
 #include "gbuffers/conventions.h"
@@ -16,7 +14,6 @@
 #include "gbuffers/packing.h"
 #include "gbuffers/repair.h"
 #include "gbuffers/role_values.h"
-#include "gbuffers/settings.h"
 #include "gbuffers/steps.h"
 #include "io/format.h"
 #include "io/layers.h"

@@ -1,9 +1,7 @@
 // Motion vectors by names, which also say what their values mean, in words of `motion_kind`.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <optional>
 
 #include "core/lists.h"
 #include "gbuffers/roles.h"

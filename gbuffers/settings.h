@@ -1,6 +1,5 @@
 // GBufferSettings: which files hold a G-buffer, and the meaning of their values where it is not to be recognised.
 #pragma once
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>

@@ -6,7 +6,6 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <limits>
 #include <string>
 #include <vector>
 

@@ -3,7 +3,6 @@
 // samples.
 #include "generators/sdf_mesh.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/common.hpp>

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
 #include "scene/scene.h"

@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
-#include <span>
 
 #include "importer/fbx_parts.h"
 #include "scene/readers/polygon.h"

@@ -1,7 +1,6 @@
 #include "importer/fbx_nodes.h"
 
 #include <algorithm>
-#include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/mat3x3.hpp>
 #include <set>

@@ -1,7 +1,6 @@
 // Models of FBX files as nodes: their transforms to world space, and which of them are seen.
 #pragma once
 #include <glm/mat4x4.hpp>
-#include <map>
 #include <vector>
 
 #include "importer/fbx_file.h"

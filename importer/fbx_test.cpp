@@ -2,8 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdint>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <string>
 #include <utility>

@@ -4,10 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 
 #include "importer/importer.h"
 #include "importer/texture_cache.h"

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 
 #include "core/lists.h"
 #include "importer/gltf_textures.h"

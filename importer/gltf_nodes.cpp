@@ -1,11 +1,8 @@
 #include "importer/gltf_nodes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
-#include <optional>
 
 #include "importer/gltf_accessor.h"
 

@@ -5,7 +5,6 @@
 #include "scene/finish.h"
 
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 
 namespace umbrage::test {
 namespace {

@@ -6,7 +6,6 @@
 #include <glm/common.hpp>
 
 #include "core/color.h"
-#include "importer/texture_cache.h"
 
 namespace umbrage {
 namespace {

@@ -9,8 +9,6 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>

@@ -5,18 +5,12 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <cstring>
-#include <glm/common.hpp>
-#include <map>
 #include <optional>
-#include <system_error>
 
 #include "core/color.h"
 #include "importer/material_rules.h"
 #include "importer/texture_cache.h"
-#include "scene/scene.h"
 
 namespace umbrage {
 namespace {

@@ -7,7 +7,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <glm/geometric.hpp>
 #include <thread>
 
 #include "importer/importer.h"

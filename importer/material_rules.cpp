@@ -1,5 +1,4 @@
 #include "importer/material_rules.h"
-#include "scene/scene.h"
 
 #include <algorithm>
 #include <glm/common.hpp>

@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
-#include <system_error>
 
 #include "importer/importer.h"
 #include "importer/material_rules.h"

@@ -14,8 +14,6 @@
 #include <ImfTiledOutputPart.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "file_folder.h"
 #include "io/layers.h"
 

@@ -1,6 +1,5 @@
 // Parts that the formats of layered files have in common: their table entries and the target of decoded rows.
 #pragma once
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <span>

@@ -5,13 +5,10 @@
 #include <ImfCompression.h>
 #include <gtest/gtest.h>
 // jpeglib.h needs cstdio before it.
-#include <cstdio>
 
 #include <jpeglib.h>
 
 #include <algorithm>
-#include <cmath>
-#include <ctime>
 #include <limits>
 #include <map>
 #include <random>

@@ -16,7 +16,6 @@
 #include <csetjmp>
 #include <cstdint>
 #include <cstdlib>
-#include <memory>
 #include <new>
 
 #include "io/format.h"

@@ -8,7 +8,6 @@
 // Sparse files omit strips and tiles without data: these have the value for missing data, or 0.
 #include <tiffio.h>
 
-#include <bit>
 #include <cstdarg>
 #include <cstdint>
 #include <memory>

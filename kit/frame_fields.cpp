@@ -5,7 +5,6 @@
 #include <cstring>
 #include <functional>
 #include <glm/geometric.hpp>
-#include <optional>
 
 #include "core/check.h"
 #include "devices/shared/dispatches.h"

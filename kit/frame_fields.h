@@ -1,6 +1,5 @@
 // Which constants of an effect depend on the view, and how.
 #pragma once
-#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -1,7 +1,6 @@
 #include "kit/shader_text.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <regex>
 

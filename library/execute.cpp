@@ -1,5 +1,4 @@
 // Execution of a job, from its parameters to its outputs, with the data kept for the next execution.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>

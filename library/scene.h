@@ -2,7 +2,6 @@
 #pragma once
 #include <glm/mat4x4.hpp>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <string>
 #include <string_view>
 
 #include "core/camera.h"

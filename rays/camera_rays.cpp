@@ -1,7 +1,5 @@
 #include "rays/camera_rays.h"
 
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 namespace umbrage {

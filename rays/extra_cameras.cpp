@@ -7,7 +7,6 @@
 #include <glm/gtc/matrix_access.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/mat3x3.hpp>
-#include <limits>
 
 #include "rays/camera_rays.h"
 

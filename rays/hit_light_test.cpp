@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <memory>
 #include <utility>
 
 #include "core/hash.h"

@@ -5,10 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
-#include <glm/mat3x3.hpp>
-#include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
-#include <limits>
 
 #include "rays/camera_rays.h"
 #include "rays/ray_packet.h"

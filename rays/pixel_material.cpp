@@ -1,6 +1,5 @@
 #include "rays/pixel_material.h"
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 namespace umbrage {

@@ -3,14 +3,11 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
 
-#include "core/progress.h"
-#include "rays/embree.h"
 #include "scene/points.h"
 
 namespace umbrage {

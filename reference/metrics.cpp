@@ -7,10 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
-#include <vector>
 
 #include "core/check.h"
 

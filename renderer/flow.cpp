@@ -1,11 +1,11 @@
 #include "renderer/flow.h"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
 
+#include "core/pixel_grid.h"
 #include "core/rows.h"
 
 namespace umbrage {
@@ -22,24 +22,15 @@ Flow unknown_flow(int width, int height) {
 Flow still_flow(const FlowFrame& from, const FlowFrame& to) {
   Flow flow{from.depth, from.depth, from.depth};
   const Camera camera = from.camera.value_or(Camera()), other = to.camera.value_or(Camera());
-  const bool known = from.camera && to.camera, parallel = camera.projection == Projection::kOrthographic;
-  const glm::dmat4 there = glm::dmat4(other.view_from_world) * glm::inverse(glm::dmat4(camera.view_from_world));
-  const double width = flow.x.width, height = flow.x.height;
+  const PixelGrid here(camera, flow.x.width, flow.x.height), there(other, flow.x.width, flow.x.height);
+  const glm::dmat4 turn = glm::dmat4(other.view_from_world) * glm::inverse(glm::dmat4(camera.view_from_world));
   for_rows(0, flow.x.height, [&](int y) {
-    const double v = camera.top - (y + 0.5) * (double(camera.top) - camera.bottom) / height;
     for (int x = 0; x < flow.x.width; ++x) {
-      const double u = camera.left + (x + 0.5) * (double(camera.right) - camera.left) / width;
-      const double depth = from.depth.at(x, y), spread = parallel ? 1.0 : depth;
-      const glm::dvec4 p = there * glm::dvec4(u * spread, v * spread, -depth, 1.0);
-      const glm::dvec2 at = glm::dvec2(p) / (parallel ? 1.0 : -p.z);
-      const bool seen = std::isfinite(depth) && p.z < 0.0;
-      flow.x.at(x, y) = !seen    ? kUnknown
-                        : !known ? float(x)
-                                 : float((at.x - other.left) / (double(other.right) - other.left) * width - 0.5);
-      flow.y.at(x, y) = !seen    ? kUnknown
-                        : !known ? float(y)
-                                 : float((other.top - at.y) / (double(other.top) - other.bottom) * height - 0.5);
-      flow.z.at(x, y) = !seen ? kUnknown : !known ? float(depth) : float(-p.z);
+      const double depth = from.depth.at(x, y);
+      glm::dvec3 place(x, y, depth);
+      if (from.camera && to.camera) place = there.place(glm::dvec3(turn * glm::dvec4(here.point(x, y, depth), 1.0)));
+      if (!std::isfinite(depth) || !(place.z > 0.0)) place = glm::dvec3(kUnknown);
+      flow.x.at(x, y) = float(place.x), flow.y.at(x, y) = float(place.y), flow.z.at(x, y) = float(place.z);
     }
   });
   return flow;

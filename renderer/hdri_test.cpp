@@ -1,7 +1,6 @@
 // Light from environment images: their decomposition against quadrature, their readers, and their effect on pictures.
 #include <algorithm>
 #include <glm/gtc/constants.hpp>
-#include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 #include <numbers>
 #include <random>

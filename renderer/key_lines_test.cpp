@@ -4,14 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <optional>
 
 #include "core/gbuffer.h"
+#include "core/pixel_grid.h"
 #include "devices/cpu/cpu_device.h"
 #include "renderer/models.h"
 #include "renderer/times.h"
+#include "support.h"
 
 namespace umbrage {
 namespace {
@@ -76,17 +77,12 @@ class Turn {
   Plan first_;
 };
 
-bool equal(const Picture& a, const Picture& b) {
-  for (std::size_t k = 0; k < a.image.planes.size(); ++k)
-    for (int y = 0; y < kSide; ++y)
-      if (std::memcmp(a.image.planes[k].row(y), b.image.planes[k].row(y), kSide * sizeof(float)) != 0) return false;
-  return true;
-}
+bool equal(const Picture& a, const Picture& b) { return test::first_difference(a.image, b.image).empty(); }
 
 /// Returns the root mean square of the change of lines from one frame to the next, over surfaces that both show.
 double change_of(const Picture& from, const Picture& to) {
-  const glm::mat4 motion = from.info.camera.view_from_world * glm::inverse(to.info.camera.view_from_world);
-  const Camera& c = to.info.camera;
+  const glm::dmat4 motion = from.info.camera.view_from_world * glm::inverse(to.info.camera.view_from_world);
+  const PixelGrid grid(to.info.camera, kSide, kSide);
   const Plane &depth = to.image.plane("depth"), &before = from.image.plane("depth");
   double sum = 0.0;
   long count = 0;
@@ -94,18 +90,15 @@ double change_of(const Picture& from, const Picture& to) {
     for (int x = 0; x < kSide; ++x) {
       const float z = depth.at(x, y);
       if (!std::isfinite(z)) continue;
-      const float px = c.left + (float(x) + 0.5f) * to.info.pixel_width();
-      const float py = c.top - (float(y) + 0.5f) * to.info.pixel_height();
-      const glm::vec4 there = motion * glm::vec4(px * z, py * z, -z, 1.0f);
-      const float u = (there.x / -there.z - c.left) / to.info.pixel_width() - 0.5f;
-      const float v = (c.top - there.y / -there.z) / to.info.pixel_height() - 0.5f;
+      const glm::vec3 place = grid.place(glm::dvec3(motion * glm::dvec4(grid.point(x, y, z), 1.0)));
+      const float u = place.x, v = place.y;
       if (!(u >= 0.0f && v >= 0.0f && u < float(kSide - 1) && v < float(kSide - 1))) continue;
       double value = 0.0;
       bool same = true;
       for (int k = 0; k < 4; ++k) {
         const int i = int(u) + k % 2, j = int(v) + k / 2;
         const float fx = u - std::floor(u), fy = v - std::floor(v);
-        same &= std::fabs(before.at(i, j) + there.z) < 0.01f * z;
+        same &= std::fabs(before.at(i, j) - place.z) < 0.01f * z;
         value += (k % 2 ? fx : 1.0f - fx) * (k / 2 ? fy : 1.0f - fy) * from.image.plane("outline").at(i, j);
       }
       if (!same) continue;

@@ -12,7 +12,6 @@
 #include "generators/builtin.h"
 #include "scene/front.h"
 #include "scene/readers/content.h"
-#include "scene/scene.h"
 
 namespace umbrage {
 

@@ -32,6 +32,35 @@ auto& in_gbuffer(Request& request) {
   return request.gbuffer.*member;
 }
 
+/// Returns an option; the functions after it add what its values can be.
+inline Option row(std::string_view group, unsigned commands, std::string_view field, std::string_view option,
+                  std::string_view help, std::string_view initial, Field where) {
+  return {.field = field,
+          .option = option,
+          .group = group,
+          .help = help,
+          .initial = initial,
+          .where = where,
+          .commands = commands};
+}
+inline Option with_range(Option option, double min, double max, std::string_view unit = {}) {
+  option.min = min;
+  option.max = max;
+  option.unit = unit;
+  return option;
+}
+
+inline Option with_choices(Option option, std::vector<std::string_view> choices) {
+  option.choices = std::move(choices);
+  return option;
+}
+
+inline Option with_form(Option option, OptionForm form, std::string_view unit = {}) {
+  option.form = form;
+  option.unit = unit;
+  return option;
+}
+
 /// Returns the names of a list of values.
 template <class Entries>
 std::vector<std::string_view> names_of(const Entries& entries) {

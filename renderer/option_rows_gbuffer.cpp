@@ -8,42 +8,12 @@ constexpr double kMaxDistance = 1e15;  // scene units
 
 /// Returns an option that names a file, or a layer of one.
 Option file_option(std::string_view field, std::string_view option, std::string_view help, FieldOf<std::string> where) {
-  return {.field = field,
-          .option = option,
-          .group = "Files",
-          .help = help,
-          .initial = "none",
-          .where = where,
-          .commands = kShade | kInfo};
+  return row("Files", kShade | kInfo, field, option, help, "none", where);
 }
 
 Option row(std::string_view field, std::string_view option, std::string_view help, std::string_view initial,
            Field where) {
-  return {.field = field,
-          .option = option,
-          .group = "G-buffer",
-          .help = help,
-          .initial = initial,
-          .where = where,
-          .commands = kShade | kInfo};
-}
-
-Option with_range(Option option, double min, double max, std::string_view unit = {}) {
-  option.min = min;
-  option.max = max;
-  option.unit = unit;
-  return option;
-}
-
-Option with_choices(Option option, std::vector<std::string_view> choices) {
-  option.choices = std::move(choices);
-  return option;
-}
-
-Option with_form(Option option, OptionForm form, std::string_view unit = {}) {
-  option.form = form;
-  option.unit = unit;
-  return option;
+  return row("G-buffer", kShade | kInfo, field, option, help, initial, where);
 }
 
 std::vector<Option> file_options() {

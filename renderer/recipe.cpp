@@ -6,7 +6,6 @@
 
 #include "core/check.h"
 #include "core/color.h"
-#include "core/lists.h"
 #include "core/suggest.h"
 #include "effects/antialias/antialias.h"
 #include "effects/ground/ground.h"

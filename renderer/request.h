@@ -2,7 +2,6 @@
 // the APIs built on it. renderer/options.h is the table of its fields.
 #pragma once
 #include <array>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>

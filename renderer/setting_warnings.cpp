@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "core/lists.h"
 #include "effects/resample/resample.h"
 #include "effects/steady/steady.h"

@@ -12,7 +12,6 @@
 #include "effects/relight/relight.h"
 #include "renderer/drawing.h"
 #include "renderer/strip_drawer.h"
-#include "renderer/strips.h"
 #include "renderer/strokes.h"
 
 namespace umbrage {

@@ -1,6 +1,5 @@
 // Shades G-buffers of other renderers: planes as a whole picture, and image files whole or in strips.
 #pragma once
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 
 #include "core/color.h"
@@ -280,16 +279,7 @@ struct Collected {
   }
 };
 
-void expect_same(const Image& a, const Image& b) {
-  ASSERT_EQ(a.names, b.names);
-  ASSERT_EQ(a.height, b.height);
-  for (std::size_t p = 0; p < a.planes.size(); ++p) {
-    int differing = 0;
-    for (int y = 0; y < a.height; ++y)
-      differing += std::memcmp(a.planes[p].row(y), b.planes[p].row(y), std::size_t(a.width) * sizeof(float)) != 0;
-    EXPECT_EQ(differing, 0) << "rows of " << a.names[p] << " differ";
-  }
-}
+void expect_same(const Image& a, const Image& b) { EXPECT_EQ(test::first_difference(a, b), ""); }
 
 /// Shades in strips of `rows` rows; 0: as shade_file plans.
 Image shaded(const GBufferFile& file, const Request& request, int rows, const std::optional<SequenceStart>& start = {},

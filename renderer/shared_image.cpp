@@ -4,7 +4,6 @@
 #include <half.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "core/rows.h"

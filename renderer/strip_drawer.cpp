@@ -4,7 +4,6 @@
 
 #include "core/check.h"
 #include "devices/shared/planes.h"
-#include "renderer/strokes.h"
 
 namespace umbrage {
 

@@ -1,7 +1,6 @@
 // StripDrawer: runs a look on the strips of a picture, wherever their frames come from. Internal to renderer/.
 #pragma once
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,16 +1,12 @@
 #include "renderer/strips.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
-#include <span>
 
 #include "core/color.h"
 #include "core/lists.h"
 #include "effects/output/output.h"
 #include "renderer/drawing.h"
 #include "renderer/marked_samples.h"
-#include "renderer/strip_drawer.h"
 #include "renderer/strokes.h"
 #include "renderer/written_passes.h"
 

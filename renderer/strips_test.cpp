@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 
 #include "core/guarded.h"
@@ -15,6 +14,7 @@
 #include "renderer/models.h"
 #include "renderer/passes.h"
 #include "renderer/written_passes.h"
+#include "support.h"
 
 namespace umbrage {
 namespace {
@@ -63,19 +63,7 @@ Image drawn(const Request& settings, int rows, const std::vector<std::string>& p
   return whole;
 }
 
-void expect_same(const Image& a, const Image& b) {
-  ASSERT_EQ(a.names, b.names);
-  ASSERT_EQ(a.height, b.height);
-  for (std::size_t p = 0; p < a.planes.size(); ++p) {
-    int differing = 0, first = -1;
-    for (int y = 0; y < a.height; ++y)
-      if (std::memcmp(a.planes[p].row(y), b.planes[p].row(y), std::size_t(a.width) * sizeof(float)) != 0) {
-        if (first < 0) first = y;
-        ++differing;
-      }
-    EXPECT_EQ(differing, 0) << "rows of " << a.names[p] << " differ, the first " << first;
-  }
-}
+void expect_same(const Image& a, const Image& b) { EXPECT_EQ(test::first_difference(a, b), ""); }
 
 void expect_strips_same(const Request& settings, std::vector<int> rows = {64},
                         const std::vector<std::string>& planes = {"color.r", "color.g", "color.b", "color.a", "depth",

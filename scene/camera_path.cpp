@@ -9,7 +9,6 @@
 #include <cmath>
 #include <fstream>
 #include <glm/geometric.hpp>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>

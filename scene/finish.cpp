@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 
 #include "core/lists.h"
 #include "scene/mesh_corners.h"
 #include "scene/strays.h"
-#include "scene/vertex_normals.h"
 
 namespace umbrage {
 namespace {

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "scene/finish.h"
 

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "core/lowercase.h"
-#include "scene/scene.h"
 #include "scene/strays.h"
 
 namespace umbrage {

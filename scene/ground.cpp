@@ -11,7 +11,6 @@
 #include <limits>
 #include <utility>
 
-#include "scene/scene.h"
 #include "scene/strays.h"
 
 namespace umbrage {

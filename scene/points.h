@@ -3,7 +3,6 @@
 // look like one smooth surface [Botsch et al. 2004].
 #pragma once
 #include <cstdint>
-#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 #include <utility>

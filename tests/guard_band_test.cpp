@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/geometric.hpp>
 
 #include "devices/cpu/cpu_device.h"
 #include "generators/builtin.h"

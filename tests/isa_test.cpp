@@ -2,7 +2,6 @@
 // plain C++.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/lists.h"

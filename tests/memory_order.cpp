@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <iterator>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <string_view>
 

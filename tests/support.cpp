@@ -1,7 +1,10 @@
 #include "support.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
@@ -19,6 +22,15 @@ namespace umbrage::test {
 const char* const kProgram = UMBRAGE_PROGRAM;
 const char* const kFaultyImport = UMBRAGE_FAULTY_IMPORT;
 const char* const kSourceFolder = UMBRAGE_SOURCE;
+
+std::string first_difference(const Image& a, const Image& b) {
+  if (a.width != b.width || a.height != b.height || a.names != b.names) return "names or size";
+  for (std::size_t p = 0; p < a.planes.size(); ++p)
+    for (int y = 0; y < a.height; ++y)
+      if (std::memcmp(a.planes[p].row(y), b.planes[p].row(y), std::size_t(a.width) * sizeof(float)) != 0)
+        return fmt::format("{}, row {}", a.names[p], y);
+  return "";
+}
 
 double scale_of(const Plane& plane) {
   double scale = 1.0;

@@ -30,6 +30,9 @@ struct Difference {
 /// Compares planes of the same size. Two NaN count as equal.
 Difference difference(const Plane& a, const Plane& b, double bound);
 
+/// Returns where a bit of two pictures differs, such as "depth, row 7", or "names or size"; empty: nowhere.
+std::string first_difference(const Image& a, const Image& b);
+
 /// Returns the max finite value of a plane, at least 1. Error bounds are relative to it, since light of many lights,
 /// large factors and depths exceed 1.
 double scale_of(const Plane& plane);

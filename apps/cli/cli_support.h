@@ -1,11 +1,6 @@
 // Helpers for the tests of the program: small pictures and checks of their content.
 #pragma once
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <set>
-#include <sstream>
 
 #include "io/image_file.h"
 #include "run_program.h"

@@ -1,6 +1,5 @@
 // The configuration file: options that apply to every run.
 #pragma once
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -1,8 +1,6 @@
 #include "apps/cli/hints.h"
 
-#include <algorithm>
 #include <cmath>
-#include <glm/mat4x4.hpp>
 #include <glm/vec4.hpp>
 
 #include "scene/framing.h"

@@ -4,7 +4,6 @@
 #include "effects/output/output.h"
 #include "io/image_file.h"
 #include "looks/looks.h"
-#include "renderer/strokes.h"
 
 namespace umbrage::cli {
 

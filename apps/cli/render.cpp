@@ -2,8 +2,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <mutex>
-#include <numeric>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/frame_names.h"
@@ -27,7 +25,6 @@
 #include "renderer/steady.h"
 #include "renderer/strips.h"
 #include "renderer/strokes.h"
-#include "renderer/written_passes.h"
 #include "scene/scene.h"
 
 namespace umbrage::cli {

@@ -1,7 +1,6 @@
 // The frames of `umbrage render`: one picture, a turntable, a camera path or an animation, as files or as a video.
 #pragma once
 #include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <fstream>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <numeric>
 #include <optional>

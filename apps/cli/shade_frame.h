@@ -4,7 +4,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "apps/cli/render_options.h"
 #include "apps/cli/sequence.h"

@@ -4,8 +4,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <span>
-#include <string_view>
 
 #include "core/image.h"
 #include "core/result.h"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
-#include <ctime>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"

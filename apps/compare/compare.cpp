@@ -13,7 +13,6 @@
 #include "core/suggest.h"
 #include "effects/lighting/lighting.h"
 #include "reference/reference.h"
-#include "renderer/times.h"
 #include "scene/environment.h"
 #include "scene/framing.h"
 
@@ -150,16 +149,7 @@ Result<double> run_technique(const Run& run, const TracedScene& traced, const Ef
                          .settings = &settings,
                          .external_effects = external_effects(),
                          .run_external_effect = run_reference};
-  std::vector<double> ms;
-  for (int k = traces ? 1 : 0; k <= (traces ? 1 : run.settings.runs); ++k) {
-    StageTimes times;
-    if (auto status = run_look(look_run, run.device, frame); !status) return status.error();
-    if (auto finished = run.device.finish(); !finished) return finished.error();
-    times.done("run");
-    if (k > 0) ms.push_back(times.total());
-  }
-  std::sort(ms.begin(), ms.end());
-  return ms[ms.size() / 2];
+  return median_time(look_run, run.device, frame, traces ? 1 : run.settings.runs, !traces);
 }
 
 /// Divides the error of a picture of occlusion.

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <map>
 #include <numbers>
 
 #include "apps/compare/compare_support.h"

@@ -1,10 +1,11 @@
 #include "apps/compare/flicker.h"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+
+#include "core/pixel_grid.h"
 
 namespace umbrage {
 namespace {
@@ -24,15 +25,10 @@ class RestPoints {
   double depth(int x, int y) const { return depth_.at(x, y); }
   int object(int x, int y) const { return int(std::lround(object_.at(x, y))); }
   /// Returns the size of a pixel at a depth, scene units.
-  double pixel_size(double depth) const {
-    return double(frame_.gbuffer.info.pixel_height()) * (is_parallel() ? 1.0 : depth);
-  }
+  double pixel_size(double depth) const { return grid_.step_y * (grid_.orthographic ? 1.0 : depth); }
 
   glm::dvec3 point(int x, int y) const {
-    const double d = depth(x, y), scale = is_parallel() ? 1.0 : d;
-    const double right = camera_.left + (x + 0.5) / width() * (double(camera_.right) - camera_.left);
-    const double up = camera_.top - (y + 0.5) / height() * (double(camera_.top) - camera_.bottom);
-    return glm::dvec3(rest_from_view_[moves(x, y)] * glm::dvec4(right * scale, up * scale, -d, 1.0));
+    return glm::dvec3(rest_from_view_[moves(x, y)] * glm::dvec4(grid_.point(x, y, depth(x, y)), 1.0));
   }
   glm::dvec3 normal(int x, int y) const {
     const glm::dvec3 n(normal_[0]->at(x, y), normal_[1]->at(x, y), normal_[2]->at(x, y));
@@ -40,19 +36,16 @@ class RestPoints {
   }
   /// Returns the place of a point of an object in the picture: x, y in pixels, and the depth.
   glm::dvec3 place(const glm::dvec3& point, int object) const {
-    const glm::dvec4 p = view_from_rest_[object == frame_.moving_object] * glm::dvec4(point, 1.0);
-    const double scale = is_parallel() ? 1.0 : -p.z;
-    return {(p.x / scale - camera_.left) / (double(camera_.right) - camera_.left) * width() - 0.5,
-            (camera_.top - p.y / scale) / (double(camera_.top) - camera_.bottom) * height() - 0.5, -p.z};
+    return grid_.place(glm::dvec3(view_from_rest_[object == frame_.moving_object] * glm::dvec4(point, 1.0)));
   }
 
  private:
-  bool is_parallel() const { return camera_.projection == Projection::kOrthographic; }
   bool moves(int x, int y) const { return frame_.moving_object >= 0 && object(x, y) == frame_.moving_object; }
 
   const FrameSurfaces& frame_;
   const Camera& camera_;
   const Image& planes_;
+  const PixelGrid grid_{camera_, planes_.width, planes_.height};
   const Plane &depth_ = planes_.plane("depth"), &object_ = planes_.plane("object_id");
   const Plane* const normal_[3] = {&planes_.plane("normal.x"), &planes_.plane("normal.y"), &planes_.plane("normal.z")};
   // Of what stands still, and of what moves.

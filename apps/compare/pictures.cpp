@@ -5,6 +5,7 @@
 
 #include "effects/effects.h"
 #include "reference/reference.h"
+#include "renderer/times.h"
 
 namespace umbrage {
 namespace {
@@ -72,6 +73,19 @@ Result<GBuffer> download_gbuffer(Device& device, const Frame& frame) {
   auto planes = device.download(frame, {"depth", "normal.x", "normal.y", "normal.z"});
   if (!planes) return planes.error();
   return GBuffer{inner_info(frame.info), {std::move(*planes)}};
+}
+
+Result<double> median_time(const LookRun& run, Device& device, Frame& frame, int runs, bool warms_up) {
+  std::vector<double> ms;
+  for (int k = warms_up ? 0 : 1; k <= runs; ++k) {
+    StageTimes times;
+    if (auto status = run_look(run, device, frame); !status) return status.error();
+    if (auto finished = device.finish(); !finished) return finished.error();
+    times.done("run");
+    if (k > 0) ms.push_back(times.total());
+  }
+  std::sort(ms.begin(), ms.end());
+  return ms[ms.size() / 2];
 }
 
 const Effect* look_filter(const Look& look) {

@@ -57,6 +57,10 @@ std::vector<CameraShot> shots_of(const Scene& scene, const Framing& requested, i
 /// Downloads the planes that classify pixels, depth and normal, without the guard band. Errors: those of the device.
 Result<GBuffer> download_gbuffer(Device& device, const Frame& frame);
 
+/// Runs a look `runs` times, `warms_up`: after a run that is not timed. The results remain in the frame. Returns the
+/// median time, milliseconds.
+Result<double> median_time(const LookRun& run, Device& device, Frame& frame, int runs, bool warms_up = true);
+
 /// Returns the filter of a look; null if it has none.
 const Effect* look_filter(const Look& look);
 

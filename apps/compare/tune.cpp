@@ -11,7 +11,6 @@
 #include "apps/compare/pictures.h"
 #include "effects/effects.h"
 #include "reference/reference.h"
-#include "renderer/times.h"
 
 namespace umbrage {
 namespace {
@@ -128,16 +127,9 @@ Result<void> attempt(Search& search, Candidate candidate) {
   double squares = 0.0, sum = 0.0;
   long pixels = 0;
   for (Picture& picture : search.pictures) {
-    std::vector<double> ms;
-    for (int k = 0; k <= search.settings.runs; ++k) {
-      StageTimes times;
-      if (auto status = run_look(look_run, search.device, picture.frame); !status) return status.error();
-      if (auto finished = search.device.finish(); !finished) return finished.error();
-      times.done("run");
-      if (k > 0) ms.push_back(times.total());
-    }
-    std::sort(ms.begin(), ms.end());
-    trial.ms += ms[ms.size() / 2] / double(search.pictures.size());
+    const auto ms = median_time(look_run, search.device, picture.frame, search.settings.runs);
+    if (!ms) return ms.error();
+    trial.ms += *ms / double(search.pictures.size());
     auto made = search.device.download(picture.frame, kQuantityPlanes[int(Quantity::kOcclusion)]);
     if (!made) return made.error();
     clamp_occlusion(*made);

@@ -1,6 +1,5 @@
 // Figures 15 and 16 of [Colliander and Törnquist 2015], and what the figures of this paper share.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 

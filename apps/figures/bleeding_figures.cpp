@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <set>
 #include <tuple>
@@ -228,57 +227,42 @@ Result<Figure> tangents(Studio& studio) {
 
 }  // namespace
 
-Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
-                                             const std::function<void(const std::string&)>& progress) {
-  std::vector<Figure> figures;
-  auto studio = open_studio(device, kAtrium, std::string(kBleedingPaper.look), size);
+Result<std::vector<Figure>> bleeding_figures(Device& device, const FigureSettings& settings) {
+  auto studio = open_studio(device, kAtrium, std::string(kBleedingPaper.look), settings.size);
   if (!studio) return studio.error();
   studio->draw.anti_aliasing = 1;  // numbers are measured per pixel
   const ClothGrid cloths(*studio->scene);
+  std::vector<FigurePart> parts;
   for (const BleedingPreset& preset : kPresets) {
-    studio->draw.look = std::string(preset.look);
-    progress(fmt::format("figures 1, 7 and 8, {}", preset.name));
-    auto made = overview(*studio, preset);
-    if (!made) return made.error();
-    figures.push_back(std::move(*made));
-    progress(fmt::format("figures 9 to 12, {}", preset.name));
-    made = detail(*studio, preset, cloths, pillar_of(preset), "9-12", "9-pillar", "A pillar beside a drape",
-                  {"9: neither", "10: occlusion", "11: bleeding", "12: both"});
-    if (!made) return made.error();
-    figures.push_back(std::move(*made));
-    progress(fmt::format("figures 13 and 14, {}", preset.name));
-    made = detail(*studio, preset, cloths, floor_of(preset), "13,14", "13-floor", "The floor below a drape",
-                  {"13: neither", "occlusion", "bleeding", "14: both"});
-    if (!made) return made.error();
-    figures.push_back(std::move(*made));
+    parts.emplace_back(fmt::format("figures 1, 7 and 8, {}", preset.name), [&, preset] {
+      studio->draw.look = std::string(preset.look);  // also of the parts after it
+      return overview(*studio, preset);
+    });
+    parts.emplace_back(fmt::format("figures 9 to 12, {}", preset.name), [&, preset] {
+      return detail(*studio, preset, cloths, pillar_of(preset), "9-12", "9-pillar", "A pillar beside a drape",
+                    {"9: neither", "10: occlusion", "11: bleeding", "12: both"});
+    });
+    parts.emplace_back(fmt::format("figures 13 and 14, {}", preset.name), [&, preset] {
+      return detail(*studio, preset, cloths, floor_of(preset), "13,14", "13-floor", "The floor below a drape",
+                    {"13: neither", "occlusion", "bleeding", "14: both"});
+    });
   }
-  progress("figure 5");
-  auto made = tangents(*studio);
-  if (!made) return made.error();
-  figures.push_back(std::move(*made));
-  progress("figures 15 and 16");
-  made = bleeding_range(*studio);
-  if (!made) return made.error();
-  figures.push_back(std::move(*made));
-  progress("behind a drape");
-  made = bleeding_behind_drape(*studio, cloths);
-  if (!made) return made.error();
-  figures.push_back(std::move(*made));
-  progress("diagrams 2, 3, 4 and 6");
-  made = bleeding_diagrams(*studio, bleeding_view({-2.2f, 1.2f, -3.3f}, {-4.5f, 0.9f, -3.3f}, 40.0f));
-  if (!made) return made.error();
-  figures.push_back(std::move(*made));
-  return figures;
+  parts.emplace_back("figure 5", [&] { return tangents(*studio); });
+  parts.emplace_back("figures 15 and 16", [&] { return bleeding_range(*studio); });
+  parts.emplace_back("behind a drape", [&] { return bleeding_behind_drape(*studio, cloths); });
+  parts.emplace_back("diagrams 2, 3, 4 and 6", [&] {
+    return bleeding_diagrams(*studio, bleeding_view({-2.2f, 1.2f, -3.3f}, {-4.5f, 0.9f, -3.3f}, 40.0f));
+  });
+  return figures_of(parts, settings);
 }
 
-Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int runs,
-                                                 const std::function<void(const std::string&)>& progress) {
+Result<std::vector<FigureTable>> bleeding_tables(Device& device, const FigureSettings& settings) {
   constexpr std::array kSamples = {8, 16, 32, 64};
   std::vector<FigureTable> tables;
-  auto studio = open_studio(device, kAtrium, std::string(kBleedingPaper.look), size);
+  auto studio = open_studio(device, kAtrium, std::string(kBleedingPaper.look), settings.size);
   if (!studio) return studio.error();
   for (const BleedingPreset& preset : kPresets) {
-    progress(fmt::format("table 1, {}", preset.name));
+    settings.progress(fmt::format("table 1, {}", preset.name));
     // Interleave the runs of all settings, so that other load on the machine affects them alike.
     struct Case {
       std::string name;
@@ -299,7 +283,7 @@ Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int r
         if (!has_bleeding) cases.back().settings.push_back("hemisphere.bleeding=0");
       }
     cases.push_back({"64 samples, both, at half resolution", preset.look, "", {"hemisphere.samples=64"}, "half"});
-    for (int run = -1; run < runs; ++run)  // run -1 warms up and does not count
+    for (int run = -1; run < settings.runs; ++run)  // run -1 warms up and does not count
       for (Case& item : cases) {
         Request with = studio->draw;
         with.look = std::string(item.look);

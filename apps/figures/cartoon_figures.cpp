@@ -322,38 +322,33 @@ Result<Figure> shortcuts_figure(Studio& studio) {
 
 }  // namespace
 
-Result<std::vector<Figure>> cartoon_figures(Device& device, int size,
-                                            const std::function<void(const std::string&)>& progress) {
+Result<std::vector<Figure>> cartoon_figures(Device& device, const FigureSettings& settings) {
   std::vector<Figure> figures;
-  auto studio = open_studio(device, "scene:pink", std::string(kCartoonPaper.look), size);
+  auto studio = open_studio(device, "scene:pink", std::string(kCartoonPaper.look), settings.size);
   if (!studio) return studio.error();
   for (const CartoonPreset& preset : kPresets) {
-    progress(fmt::format("figures 1 to 6, {}", preset.name));
+    settings.progress(fmt::format("figures 1 to 6, {}", preset.name));
     auto made = pink_figures(*studio, preset);
     if (!made) return made.error();
     figures.insert(figures.end(), made->begin(), made->end());
   }
-  progress("section 5");
-  auto shortcuts = shortcuts_figure(*studio);
-  if (!shortcuts) return shortcuts.error();
-  figures.push_back(std::move(*shortcuts));
-  for (int number = 1; number <= kCartoonSamples; ++number) {
-    progress(fmt::format("appendix B, sample {}", number));
-    auto sample = cartoon_sample(device, number, size);
-    if (!sample) return sample.error();
-    figures.push_back(std::move(*sample));
-  }
+  std::vector<FigurePart> parts = {{"section 5", [&] { return shortcuts_figure(*studio); }}};
+  for (int number = 1; number <= kCartoonSamples; ++number)
+    parts.emplace_back(fmt::format("appendix B, sample {}", number),
+                       [&, number] { return cartoon_sample(device, number, settings.size); });
+  auto rest = figures_of(parts, settings);
+  if (!rest) return rest;
+  figures.insert(figures.end(), rest->begin(), rest->end());
   return figures;
 }
 
-Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int runs,
-                                                const std::function<void(const std::string&)>& progress) {
+Result<std::vector<FigureTable>> cartoon_tables(Device& device, const FigureSettings& settings) {
   constexpr const char* kScene = "scene:pink";
   std::vector<FigureTable> tables;
-  auto studio = open_studio(device, kScene, std::string(kCartoonPaper.look), size);
+  auto studio = open_studio(device, kScene, std::string(kCartoonPaper.look), settings.size);
   if (!studio) return studio.error();
   for (const CartoonPreset& preset : kPresets) {
-    progress(fmt::format("time of every pass, {}", preset.name));
+    settings.progress(fmt::format("time of every pass, {}", preset.name));
     select_without_anti_aliasing(*studio, preset);
     const auto recipe = make_recipe(studio->draw);
     if (!recipe) return recipe.error();
@@ -363,7 +358,7 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
     FigureTable table{
         "passes" + std::string(preset.tag), fmt::format("Time of every pass ({}, {})", kScene, preset.name), {}};
     std::vector<double> captures;
-    for (int i = 0; i < runs; ++i) {
+    for (int i = 0; i < settings.runs; ++i) {
       StageTimes times;
       const auto again = umbrage::draw(device, *studio->scene, studio->draw, times);
       if (!again) return again.error();
@@ -372,7 +367,7 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
     table.rows.push_back({"capture", median(captures)});
     for (std::string_view name : recipe->look->effects) {
       if (name == "occlusion") name = recipe->occlusion;
-      const auto ms = time_of(device, *find_effect(name), recipe->settings, *frame, runs);
+      const auto ms = time_of(device, *find_effect(name), recipe->settings, *frame, settings.runs);
       if (!ms) return ms.error();
       table.rows.push_back({std::string(name), *ms});
     }
@@ -382,19 +377,19 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
     tables.push_back(std::move(table));
   }
 
-  progress("time against the number of triangles");
+  settings.progress("time against the number of triangles");
   FigureTable triangles{
       "triangles", "Time of the occlusion against the number of triangles (scene:terrain, paper preset)", {}};
   for (const char* detail : {"1000", "58000", "1000000"}) {
-    auto terrain =
-        open_studio(device, fmt::format("scene:terrain?detail={}", detail), std::string(kCartoonPaper.look), size);
+    auto terrain = open_studio(device, fmt::format("scene:terrain?detail={}", detail), std::string(kCartoonPaper.look),
+                               settings.size);
     if (!terrain) return terrain.error();
     StageTimes first;
     auto frame = umbrage::draw(device, *terrain->scene, terrain->draw, first);
     if (!frame) return frame.error();
     const auto recipe = make_recipe(terrain->draw);
     if (!recipe) return recipe.error();
-    const auto ms = time_of(device, *find_effect(recipe->occlusion), recipe->settings, *frame, runs);
+    const auto ms = time_of(device, *find_effect(recipe->occlusion), recipe->settings, *frame, settings.runs);
     if (!ms) return ms.error();
     triangles.rows.push_back({fmt::format("{} triangles", terrain->scene->triangle_count()), *ms});
   }

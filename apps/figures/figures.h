@@ -46,35 +46,34 @@ struct FigureTable {
 /// Default file of the Stanford bunny, from Debian's package glmark2-data.
 inline constexpr const char* kBunnyFile = "/usr/share/glmark2/models/bunny.obj";
 
-/// Draws figures 1 to 6 of [Chamberlin 2011] at size x size pixels (the paper: 1024); kernel windows scale with the
-/// size. `bunny` is the model file of figures 2 and 3. `progress` is called with the name of each figure before it is
-/// drawn.
-Result<std::vector<Figure>> unsharp_figures(Device& device, const std::string& bunny, int size,
-                                            const std::function<void(const std::string&)>& progress);
+/// What the figures and tables of the papers depend on.
+struct FigureSettings {
+  std::string bunny = kBunnyFile;  ///< model file of figures 2 and 3 of [Chamberlin 2011]
+  int size = 512;                  ///< side of the pictures, pixels
+  int runs = 5;                    ///< of which a time is the median
+  /// Receives the name of each figure and table before it is made.
+  std::function<void(const std::string&)> progress = [](const std::string&) {};
+};
+
+/// Draws figures 1 to 6 of [Chamberlin 2011] (the paper: 1024 pixels); kernel windows scale with the size.
+Result<std::vector<Figure>> unsharp_figures(Device& device, const FigureSettings& settings);
 
 /// Measures the paper's claims about cost: time of the effect against the kernel window and against the number of
-/// triangles; median of `runs` runs.
-Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::string& bunny, int size, int runs,
-                                                const std::function<void(const std::string&)>& progress);
+/// triangles.
+Result<std::vector<FigureTable>> unsharp_tables(Device& device, const FigureSettings& settings);
 
-/// Draws figures 1 to 6 and the picture pairs of appendix B of [Lajzer and Nottingham] at size x size pixels (the
-/// paper: 512), in the paper's preset and in ours.
-Result<std::vector<Figure>> cartoon_figures(Device& device, int size,
-                                            const std::function<void(const std::string&)>& progress);
+/// Draws figures 1 to 6 and the picture pairs of appendix B of [Lajzer and Nottingham] (the paper: 512 pixels), in the
+/// paper's preset and in ours.
+Result<std::vector<Figure>> cartoon_figures(Device& device, const FigureSettings& settings);
 
-/// Measures the time of every effect for both presets, and of the occlusion against the number of triangles; median of
-/// `runs` runs.
-Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int runs,
-                                                const std::function<void(const std::string&)>& progress);
+/// Measures the time of every effect for both presets, and of the occlusion against the number of triangles.
+Result<std::vector<FigureTable>> cartoon_tables(Device& device, const FigureSettings& settings);
 
-/// Draws figures 1 to 16 of [Colliander and Törnquist 2015] at size x size pixels, in the paper's preset and in ours.
-Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
-                                             const std::function<void(const std::string&)>& progress);
+/// Draws figures 1 to 16 of [Colliander and Törnquist 2015], in the paper's preset and in ours.
+Result<std::vector<Figure>> bleeding_figures(Device& device, const FigureSettings& settings);
 
-/// Measures table 1: time of a picture without occlusion and with 8 to 64 samples, with and without color bleeding;
-/// median of `runs` runs.
-Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int runs,
-                                                 const std::function<void(const std::string&)>& progress);
+/// Measures table 1: time of a picture without occlusion and with 8 to 64 samples, with and without color bleeding.
+Result<std::vector<FigureTable>> bleeding_tables(Device& device, const FigureSettings& settings);
 
 /// Returns all pictures on one sheet, a row per figure, with captions. `tile`: side of a picture on the sheet, pixels.
 Image contact_sheet(const std::vector<Figure>& figures, int tile);

@@ -31,17 +31,17 @@ void expect_figures(const Result<std::vector<Figure>>& figures, std::size_t coun
 TEST(Figures, EveryNumberOfTheUnsharpPaperHolds) {
   ASSERT_TRUE(std::filesystem::exists(kBunnyFile)) << "install glmark2-data (scripts/setup does)";
   const auto device = make_cpu_device();
-  expect_figures(unsharp_figures(*device, kBunnyFile, 1024, [](const std::string&) {}), 5, 1024);
+  expect_figures(unsharp_figures(*device, {.size = 1024}), 5, 1024);
 }
 
 TEST(Figures, EveryNumberOfTheCartoonPaperHolds) {
   const auto device = make_cpu_device();
-  expect_figures(cartoon_figures(*device, 512, [](const std::string&) {}), 9, 512);
+  expect_figures(cartoon_figures(*device, {.size = 512}), 9, 512);
 }
 
 TEST(Figures, EveryNumberOfTheBleedingPaperHolds) {
   const auto device = make_cpu_device();
-  expect_figures(bleeding_figures(*device, 256, [](const std::string&) {}), 10, 256);
+  expect_figures(bleeding_figures(*device, {.size = 256}), 10, 256);
 }
 
 TEST(Figures, ANumberOutsideItsBoundDoesNotHold) {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <glm/gtc/matrix_inverse.hpp>
 
 namespace umbrage {
 namespace {
@@ -79,6 +78,17 @@ Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::
 Result<void> Studio::show(Scene other) {
   scene = std::make_shared<const Scene>(std::move(other));
   return device.prepare(*scene);
+}
+
+Result<std::vector<Figure>> figures_of(const std::vector<FigurePart>& parts, const FigureSettings& settings) {
+  std::vector<Figure> figures;
+  for (const auto& [name, make] : parts) {
+    settings.progress(name);
+    auto figure = make();
+    if (!figure) return figure.error();
+    figures.push_back(std::move(*figure));
+  }
+  return figures;
 }
 
 Result<Studio> open_studio(Device& device, const std::string& model, const std::string& look, int size) {

@@ -56,6 +56,12 @@ std::optional<Error> error_of(const Shots&... shots) {
   return first;
 }
 
+/// A figure to draw, with its name.
+using FigurePart = std::pair<std::string, std::function<Result<Figure>()>>;
+
+/// Draws figures one after the other.
+Result<std::vector<Figure>> figures_of(const std::vector<FigurePart>& parts, const FigureSettings& settings);
+
 /// Loads a model and prepares it for square pictures of `size` pixels per side.
 Result<Studio> open_studio(Device& device, const std::string& model, const std::string& look, int size);
 

@@ -217,41 +217,30 @@ Result<Figure> claw_figure(Device& device, int size) {
 
 }  // namespace
 
-Result<std::vector<Figure>> unsharp_figures(Device& device, const std::string& bunny, int size,
-                                            const std::function<void(const std::string&)>& progress) {
-  std::vector<Figure> figures;
-  const std::pair<const char*, std::function<Result<Figure>()>> all[] = {
-      {"figures 1 and 6", [&] { return tank_figure(device, size); }},
-      {"figure 2", [&] { return border_figure(device, bunny, size); }},
-      {"figure 3", [&] { return bunny_figure(device, bunny, size); }},
-      {"figure 4", [&] { return threshold_figure(device, size); }},
-      {"figure 5", [&] { return claw_figure(device, size); }},
-  };
-  for (const auto& [name, make] : all) {
-    progress(name);
-    auto figure = make();
-    if (!figure) return figure.error();
-    figures.push_back(std::move(*figure));
-  }
-  return figures;
+Result<std::vector<Figure>> unsharp_figures(Device& device, const FigureSettings& settings) {
+  return figures_of({{"figures 1 and 6", [&] { return tank_figure(device, settings.size); }},
+                     {"figure 2", [&] { return border_figure(device, settings.bunny, settings.size); }},
+                     {"figure 3", [&] { return bunny_figure(device, settings.bunny, settings.size); }},
+                     {"figure 4", [&] { return threshold_figure(device, settings.size); }},
+                     {"figure 5", [&] { return claw_figure(device, settings.size); }}},
+                    settings);
 }
 
-Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::string& bunny, int size, int runs,
-                                                const std::function<void(const std::string&)>& progress) {
+Result<std::vector<FigureTable>> unsharp_tables(Device& device, const FigureSettings& settings) {
   const auto time_with = [&](Frame& frame, const std::string& kernel) -> Result<double> {
-    EffectSettings settings = look_settings(*find_look("unsharp"));
-    if (auto status = apply_setting(settings, "unsharp.kernel=" + kernel); !status) return status.error();
-    return time_of(device, effect_with<UnsharpParams>(), settings, frame, runs);
+    EffectSettings with = look_settings(*find_look("unsharp"));
+    if (auto status = apply_setting(with, "unsharp.kernel=" + kernel); !status) return status.error();
+    return time_of(device, effect_with<UnsharpParams>(), with, frame, settings.runs);
   };
   const auto frame_of = [&](const Studio& studio) -> Result<Frame> {
     StageTimes times;
     return umbrage::draw(device, *studio.scene, studio.draw, times);
   };
 
-  progress("time against the window");
+  settings.progress("time against the window");
   FigureTable windows{"window", "Time of unsharp against the window (bunny)", {}};
   {
-    auto studio = open_unsharp(device, bunny, size);
+    auto studio = open_unsharp(device, settings.bunny, settings.size);
     if (!studio) return studio.error();
     auto frame = frame_of(*studio);
     if (!frame) return frame.error();
@@ -261,10 +250,10 @@ Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::strin
       windows.rows.push_back({fmt::format("k = {}", k), *ms});
     }
   }
-  progress("time against the number of triangles");
+  settings.progress("time against the number of triangles");
   FigureTable triangles{"triangles", "Time of unsharp against the number of triangles (scene:terrain, k = 40)", {}};
   for (const char* detail : {"1000", "58000", "1000000"}) {
-    auto studio = open_unsharp(device, fmt::format("scene:terrain?detail={}", detail), size);
+    auto studio = open_unsharp(device, fmt::format("scene:terrain?detail={}", detail), settings.size);
     if (!studio) return studio.error();
     auto frame = frame_of(*studio);
     if (!frame) return frame.error();

@@ -15,38 +15,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Progress = std::function<void(const std::string&)>;
-
 struct Paper {
   std::string_view name, title;
   int size;         // side in pixels in the paper
   bool with_bunny;  // whether the figures need the file of --bunny
-  Result<std::vector<Figure>> (*figures)(Device&, const FiguresOptions&, const Progress&);
-  Result<std::vector<FigureTable>> (*tables)(Device&, const FiguresOptions&, const Progress&);
+  Result<std::vector<Figure>> (*figures)(Device&, const FigureSettings&);
+  Result<std::vector<FigureTable>> (*tables)(Device&, const FigureSettings&);
 };
 
 constexpr Paper kPapers[] = {
-    {"unsharp", "the unsharp-mask paper", 1024, true,
-     [](Device& device, const FiguresOptions& o, const Progress& progress) {
-       return unsharp_figures(device, o.bunny, o.size, progress);
-     },
-     [](Device& device, const FiguresOptions& o, const Progress& progress) {
-       return unsharp_tables(device, o.bunny, o.size, o.runs, progress);
-     }},
-    {"cartoon", "the cartoon-rendering paper", 512, false,
-     [](Device& device, const FiguresOptions& o, const Progress& progress) {
-       return cartoon_figures(device, o.size, progress);
-     },
-     [](Device& device, const FiguresOptions& o, const Progress& progress) {
-       return cartoon_tables(device, o.size, o.runs, progress);
-     }},
-    {"bleeding", "the colour-bleeding paper", 768, false,
-     [](Device& device, const FiguresOptions& o, const Progress& progress) {
-       return bleeding_figures(device, o.size, progress);
-     },
-     [](Device& device, const FiguresOptions& o, const Progress& progress) {
-       return bleeding_tables(device, o.size, o.runs, progress);
-     }},
+    {"unsharp", "the unsharp-mask paper", 1024, true, unsharp_figures, unsharp_tables},
+    {"cartoon", "the cartoon-rendering paper", 512, false, cartoon_figures, cartoon_tables},
+    {"bleeding", "the colour-bleeding paper", 768, false, bleeding_figures, bleeding_tables},
 };
 
 std::string report_of(const Paper& paper, const std::vector<Figure>& figures, const std::vector<FigureTable>& tables,
@@ -99,10 +79,10 @@ Result<void> run_figures(const FiguresOptions& requested) {
     return writable;
 
   ProgressLine line;
-  const auto progress = [&line](const std::string& what) { line.show(what); };
-  const auto figures = paper->figures(**device, o, progress);
+  const FigureSettings settings{o.bunny, o.size, o.runs, [&line](const std::string& what) { line.show(what); }};
+  const auto figures = paper->figures(**device, settings);
   if (!figures) return figures.error();
-  const auto tables = paper->tables(**device, o, progress);
+  const auto tables = paper->tables(**device, settings);
   if (!tables) return tables.error();
   line.wipe();
   if (auto made = make_folder(folder); !made) return made;

@@ -14,6 +14,7 @@
 
 #include "build_paths.h"
 #include "io/image_file.h"
+#include "support.h"
 
 namespace umbrage::view {
 namespace {
@@ -151,13 +152,7 @@ Image rendered(const std::string& options) {
   return *read_image(file);
 }
 
-bool is_equal(const Image& a, const Image& b) {
-  if (a.width != b.width || a.height != b.height || a.names != b.names) return false;
-  for (std::size_t k = 0; k < a.planes.size(); ++k)
-    for (int y = 0; y < a.height; ++y)
-      if (std::memcmp(a.planes[k].row(y), b.planes[k].row(y), sizeof(float) * std::size_t(a.width)) != 0) return false;
-  return true;
-}
+bool is_equal(const Image& a, const Image& b) { return test::first_difference(a, b).empty(); }
 
 struct Same {
   const char* name;

@@ -1,7 +1,6 @@
 #include "apps/view/messages.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <tuple>

@@ -1,7 +1,6 @@
 #include "apps/view/outbox.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace umbrage::view {
 

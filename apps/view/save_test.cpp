@@ -3,8 +3,6 @@
 #include <signal.h>
 #include <sys/wait.h>
 
-#include <thread>
-
 #include "apps/view/uploads.h"
 #include "run_program.h"
 

@@ -16,7 +16,6 @@
 #include "apps/view/http.h"
 #include "apps/view/listen.h"
 #include "apps/view/outbox.h"
-#include "apps/view/uploads.h"
 #include "core/check.h"
 #include "core/lowercase.h"
 

@@ -12,6 +12,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/pixel_grid.h"
 #include "renderer/models.h"
 #include "renderer/passes.h"
 #include "renderer/shade_file.h"
@@ -92,15 +93,6 @@ ViewCamera options_of(const Camera& camera, const Scene& scene, float view_angle
   view.position += scene.origin;
   view.focal_point += scene.origin;
   return view;
-}
-
-/// Returns the position of a pixel centre at a depth, in the coordinates of the scene.
-glm::dvec3 position_of(const PictureInfo& info, int x, int y, double depth) {
-  const Camera& camera = info.camera;
-  const double scale = camera.projection == Projection::kOrthographic ? 1.0 : depth;
-  const glm::dvec4 position((camera.left + (x + 0.5) * info.pixel_width()) * scale,
-                            (camera.top - (y + 0.5) * info.pixel_height()) * scale, -depth, 1.0);
-  return glm::dvec3(glm::inverse(glm::dmat4(camera.view_from_world)) * position);
 }
 
 /// Gives a camera the window of a picture whose size was rounded, so that nothing is distorted: the width of the window
@@ -253,8 +245,10 @@ Result<std::optional<glm::dvec3>> ViewModel::surface_at(DrawingDevice& device, c
     const Plane& depth = planes->plane("depth");
     const int column = std::clamp(int(x * depth.width), 0, depth.width - 1);
     const int row = std::clamp(int(y * depth.height), 0, depth.height - 1);
-    const float at = depth.at(column, row);
-    if (std::isfinite(at)) found = completed_.scene->origin + position_of(inner_info(frame.info), column, row, at);
+    const glm::dvec3 seen =
+        PixelGrid(inner_camera(frame.info), depth.width, depth.height).point(column, row, depth.at(column, row));
+    const glm::dmat4 world_from_view = glm::inverse(glm::dmat4(frame.info.camera.view_from_world));
+    if (std::isfinite(seen.z)) found = completed_.scene->origin + glm::dvec3(world_from_view * glm::dvec4(seen, 1.0));
     return {};
   };
   constexpr std::string_view kBesides[] = {"depth"};

@@ -10,8 +10,6 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include <glm/mat3x3.hpp>
-#include <glm/matrix.hpp>
-#include <glm/trigonometric.hpp>
 #include <limits>
 #include <new>
 
@@ -19,13 +17,11 @@
 #include "core/progress.h"
 #include "devices/cpu/capture_block.h"
 #include "devices/cpu/soften.h"
-#include "devices/shared/capture_info.h"
 #include "devices/shared/soften.h"
 #include "rays/camera_rays.h"
 #include "rays/pixel_material.h"
 #include "rays/ray_packet.h"
 #include "rays/shadow_lights.h"
-#include "rays/traced_scene.h"
 
 namespace umbrage {
 namespace {

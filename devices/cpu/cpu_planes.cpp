@@ -1,11 +1,9 @@
 #include "devices/cpu/cpu_planes.h"
 
 #include <algorithm>
-#include <set>
 
 #include "core/check.h"
 #include "core/lists.h"
-#include "devices/shared/planes.h"
 #include "kernel/kernel_frame.h"
 
 namespace umbrage {

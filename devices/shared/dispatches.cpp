@@ -1,7 +1,6 @@
 #include "devices/shared/dispatches.h"
 
 #include <algorithm>
-#include <vector>
 
 #include "core/check.h"
 #include "core/guarded.h"

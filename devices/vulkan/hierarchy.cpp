@@ -8,7 +8,6 @@
 #include <new>
 
 #include "core/check.h"
-#include "core/progress.h"
 #include "devices/vulkan/capture.h"
 #include "rays/embree.h"
 

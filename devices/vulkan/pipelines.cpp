@@ -3,19 +3,15 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <map>
 #include <spirv/unified1/spirv.hpp>
 
 #include "core/check.h"
 #include "core/gbuffer.h"
 #include "core/lists.h"
 #include "devices/vulkan/commands.h"
-#include "devices/vulkan/options.h"
 #include "devices/vulkan/raster.h"
 #include "kernel/frame_constants.h"
 #include "spirv/capture.h"

@@ -1,7 +1,6 @@
 #include "devices/vulkan/scene_capture.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <functional>
@@ -15,7 +14,6 @@
 #include "core/light_rig.h"
 #include "core/lists.h"
 #include "devices/shared/capture_info.h"
-#include "devices/shared/dispatches.h"
 #include "devices/vulkan/capture.h"
 #include "rays/camera_rays.h"
 #include "rays/hit_light.h"

@@ -1,7 +1,6 @@
 #include "devices/vulkan/vulkan_device.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <span>
 
@@ -10,7 +9,6 @@
 #include "core/lists.h"
 #include "devices/shared/dispatches.h"
 #include "devices/shared/planes.h"
-#include "devices/vulkan/commands.h"
 #include "devices/vulkan/dispatch.h"
 #include "devices/vulkan/frame_planes.h"
 #include "devices/vulkan/memory.h"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/mat3x3.hpp>
 #include <numbers>
 #include <numeric>
 

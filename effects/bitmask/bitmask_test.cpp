@@ -8,7 +8,6 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
-#include <limits>
 #include <numbers>
 #include <random>
 

@@ -8,8 +8,6 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
-#include <string>
-#include <vector>
 
 #include "core/color.h"
 #include "run_effect.h"

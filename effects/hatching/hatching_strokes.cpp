@@ -32,13 +32,6 @@ constexpr glm::vec3 kCellOffset = {0.379f, 0.283f, 0.417f};
 constexpr float kMinWidth = 0.05f;      // pixels: thinner parts of a line are left out
 constexpr float kMaxCorrection = 1.6f;  // of a width, in all rounds together
 
-/// A plane of floats in memory of its own.
-struct OwnPlane {
-  OwnPlane(int width, int height) : values(std::size_t(width) * std::size_t(height)), plane{"", values.data(), width} {}
-  std::vector<float> values;
-  HostPlane plane;
-};
-
 std::uint32_t scrambled(std::uint32_t v) {
   v = (v ^ (v >> 16)) * 0x7feb352du;
   v = (v ^ (v >> 15)) * 0x846ca68bu;
@@ -135,7 +128,7 @@ class Correction {
       for (int y = row * block_; y < std::min((row + 1) * block_, height); ++y)
         for (int x = 0; x < width; ++x) {
           if (region.row(y)[x] == 0.0f) continue;
-          const auto k = std::size_t(row) * std::size_t(columns_) + std::size_t(x / block_);
+          const std::size_t k = index(x / block_, row);
           wanted[k] += ink.at(x, y), actual[k] += drawn.row(y)[x];
         }
     });
@@ -143,20 +136,16 @@ class Correction {
       for (int column = 0; column < columns_; ++column) {
         float want = 0.0f, have = 0.0f;
         for (int j = std::max(row - 1, 0); j <= std::min(row + 1, rows_ - 1); ++j)
-          for (int i = std::max(column - 1, 0); i <= std::min(column + 1, columns_ - 1); ++i) {
-            const auto k = std::size_t(j) * std::size_t(columns_) + std::size_t(i);
-            want += wanted[k], have += actual[k];
-          }
-        float& factor = factors_[std::size_t(row) * std::size_t(columns_) + std::size_t(column)];
+          for (int i = std::max(column - 1, 0); i <= std::min(column + 1, columns_ - 1); ++i)
+            want += wanted[index(i, j)], have += actual[index(i, j)];
+        float& factor = factors_[index(column, row)];
         if (have > 0.0f) factor = std::clamp(factor * want / have, 1.0f / kMaxCorrection, kMaxCorrection);
       }
   }
 
  private:
-  float of(int u, int v) const {
-    return factors_[std::size_t(std::clamp(v, 0, rows_ - 1)) * std::size_t(columns_) +
-                    std::size_t(std::clamp(u, 0, columns_ - 1))];
-  }
+  std::size_t index(int u, int v) const { return std::size_t(v) * std::size_t(columns_) + std::size_t(u); }
+  float of(int u, int v) const { return factors_[index(std::clamp(u, 0, columns_ - 1), std::clamp(v, 0, rows_ - 1))]; }
 
   int block_, columns_, rows_;
   std::vector<float> factors_;
@@ -248,10 +237,11 @@ Strokes lines_of_set(const HostFrame& frame, const std::vector<HatchingLine>& tr
   const HostPlane &ink_plane = frame.input("hatching_ink"), &objects = frame.input("object_id");
   const Ink ink{ink_plane, c.cross, second};
   Correction correction(width, height, 2.0f * c.spacing_px);
-  OwnPlane drawn(width, height);
+  std::vector<float> values(std::size_t(width) * std::size_t(height));
+  HostPlane drawn{"", values.data(), width};
   for (int round = 0; round < kCorrections; ++round) {
-    draw_lines(with_widths(traced, ink, objects, correction, c, width, height), 1.0f, drawn.plane);
-    correction.improve(drawn.plane, ink_plane, ink, width, height);
+    draw_lines(with_widths(traced, ink, objects, correction, c, width, height), 1.0f, drawn);
+    correction.improve(drawn, ink_plane, ink, width, height);
   }
   return with_widths(traced, ink, objects, correction, c, width, height);
 }

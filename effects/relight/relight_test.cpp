@@ -1,9 +1,7 @@
 // Tests `relight` against its formulas in double, and the alpha and background that `output` makes of its planes.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <limits>
 
 #include "run_effect.h"

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <limits>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 namespace umbrage {

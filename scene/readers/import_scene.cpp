@@ -17,7 +17,6 @@
 #include <new>
 #include <set>
 #include <string>
-#include <string_view>
 #include <system_error>
 
 #include "core/lists.h"

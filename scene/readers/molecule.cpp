@@ -9,13 +9,11 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
 #include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
 #include <set>
-#include <string>
 
 #include "core/lowercase.h"
 #include "scene/readers/positions.h"

@@ -12,7 +12,6 @@
 #include "scene/readers/obj_text.h"
 #include "scene/readers/read_number.h"
 #include "scene/readers/text_rules.h"
-#include "scene/scene.h"
 
 namespace umbrage {
 namespace {

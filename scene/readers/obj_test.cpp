@@ -5,11 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <glm/geometric.hpp>
-#include <random>
 
 #include "file_folder.h"
 #include "scene/readers/import.h"

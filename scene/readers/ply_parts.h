@@ -1,7 +1,6 @@
 // Parts of the PLY reader: the header, and the numbers that follow it.
 #pragma once
 #include <array>
-#include <cstdint>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <optional>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/vec2.hpp>
 #include <limits>
 #include <map>
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "scene/scene.h"
-
 namespace umbrage {
 
 void OriginFinder::add_sample(const glm::dvec3& p) {

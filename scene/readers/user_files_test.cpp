@@ -3,11 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <glm/geometric.hpp>
-#include <random>
 
 #include "core/printable.h"
 #include "file_folder.h"

@@ -1,7 +1,6 @@
 // Calls on jobs, and checks of their outputs.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 
 #include "caller.h"

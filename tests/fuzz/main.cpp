@@ -1,7 +1,6 @@
 // Entry points of libFuzzer. There is one program per reader, named after it, such as umbrage_fuzz_ply. With
 // --seeds FOLDER it writes the seeds to that folder instead.
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>

@@ -1,6 +1,5 @@
 #include "readers.h"
 
-#include <fmt/format.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
