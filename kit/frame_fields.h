@@ -9,7 +9,7 @@
 
 namespace umbrage {
 
-/// A constant that depends on the view: a member of the uniform block F. An array has one element.
+/// A constant that depends on the view: a member of the uniform block F. Of an array it is the first element.
 struct FrameField {
   ConstantField field;
   /// How it follows from the view: an expression of C and JavaScript with the names of kViewNames; empty: unknown.

@@ -63,7 +63,8 @@ Result<void> Commands::make_pools(std::uint32_t max_sets, std::uint32_t queries,
   times.queryType = VK_QUERY_TYPE_TIMESTAMP;
   times.queryCount = queries;
   VkResult made = VK_SUCCESS;
-  if (gpu_->ns_of_tick > 0.0) made = gpu_->vk.CreateQueryPool(gpu_->device, &times, nullptr, &query_pool);
+  if (gpu_->ns_of_tick > 0.0 && !query_pool)
+    made = gpu_->vk.CreateQueryPool(gpu_->device, &times, nullptr, &query_pool);
   if (made == VK_SUCCESS) made = gpu_->vk.CreateDescriptorPool(gpu_->device, &sets, nullptr, &set_pool);
   return made == VK_SUCCESS ? Result<void>() : vulkan_error(made, "was opened");
 }
