@@ -132,10 +132,9 @@ struct Monomial {
         add(exponents[k] > 0.0 ? above : below, name);
       }
     }
-    if (std::abs(factor + 1.0) < 1e-7 && !above.empty())
-      return "-" + above + (below.empty() ? "" : " / (" + below + ")");
-    std::string text = std::abs(factor - 1.0) < 1e-7 && !above.empty() ? above : number_text(factor);
-    if (text != above && !above.empty()) text += " * " + above;
+    const bool is_one = std::abs(std::abs(factor) - 1.0) < 1e-7 && !above.empty();
+    std::string text = is_one ? (factor < 0.0 ? "-" : "") + above : number_text(factor);
+    if (!is_one && !above.empty()) text += " * " + above;
     if (below.find('*') != std::string::npos) below = "(" + below + ")";
     return below.empty() ? text : text + " / " + below;
   }

@@ -67,6 +67,8 @@ Each shader is a fragment shader for a triangle that covers the picture (`screen
 samplers, without filtering, and draw to the outputs, by location. {4}Row 0 of a plane is the {5}. A pass that reads a plane that it
 writes needs two textures, which are then swapped.
 
+`linear_depth` is not among the passes: it makes the input `depth` of a depth buffer, which is its `buffer_texture`.{6}
+
 )";
 
 constexpr std::string_view kUniforms = R"(
@@ -94,16 +96,34 @@ std::string_view bindings_text(ShaderLanguage language) {
     case ShaderLanguage::kHlsl:
       return "The entry point is `main`. The block is register b0; textures are t1, t2 and so on, in the order of "
              "`reads`, each "
-             "with a sampler of its number, which `Load` does not use. ";
+             "with a sampler of its number, which `Load` does not use. The text is translated; that in GLSL has "
+             "comments. ";
     case ShaderLanguage::kMsl:
       return "The entry point is `main0`. The block is buffer 0; textures are 0, 1 and so on, in the order of "
-             "`reads`. ";
+             "`reads`, each with a sampler of its number, which `read` does not use. The text is translated; that in "
+             "GLSL has "
+             "comments. ";
     case ShaderLanguage::kSpirv:
       return "The entry point is `main`. In set 0 the block is binding 0; textures are 1, 2 and so on, in the order of "
-             "`reads`. ";
+             "`reads`: combined image samplers. ";
     default:
       return "Blocks and samplers are found by name. ";
   }
+}
+
+std::string reduced_view_call(const Kit& kit) {
+  return kit.language == ShaderLanguage::kGlslEs ? fmt::format("reducedView(view, {})", kit.factor)
+                                                 : fmt::format("umbrage_reduced_view(&view, {})", kit.factor);
+}
+
+/// Returns the samplers of a pass, each with its texture if that has another name.
+std::string samplers_text(const KitPass& pass) {
+  std::string text;
+  for (std::size_t k = 0; k < pass.samplers.size(); ++k) {
+    text += (k > 0 ? ", " : "") + fmt::format("`{}`", pass.samplers[k]);
+    if (pass.samplers[k] != pass.inputs[k] + "_texture") text += fmt::format(": {}", pass.inputs[k]);
+  }
+  return text;
 }
 
 }  // namespace
@@ -121,7 +141,11 @@ std::string kit_readme(const Kit& kit) {
   const std::string extension(language_extension(kit.language));
   std::string text = fmt::format(kFirst, fmt::join(kit.effects, ", "), language_name(kit.language), project_version(),
                                  fmt::join(kit.effects, ","), bindings_text(kit.language),
-                                 is_gl ? "last row of the picture, as OpenGL draws" : "top row of the picture");
+                                 is_gl ? "last row of the picture, as OpenGL draws" : "top row of the picture",
+                                 kit.factor > 1 ? fmt::format(" Blocks of passes of size 1/{0} are filled for "
+                                                              "`{1}`, the others for the whole view.",
+                                                              kit.factor, reduced_view_call(kit))
+                                                : "");
   text += "## Textures\n\n| name | | channels | format | content |\n|---|---|---|---|---|\n";
   for (const KitTexture& texture : kit.textures) {
     constexpr std::string_view kRoles[] = {"input", "input and output", "intermediate", "output"};
@@ -148,7 +172,7 @@ std::string kit_readme(const Kit& kit) {
     for (const std::string& name : pass.outputs) bytes += bytes_of(texture_of(kit, name));
     const std::string round = pass.round > 0 ? fmt::format(", round {}", pass.round) : "";
     text += fmt::format("| `{}`{} | {} | {} | {} | {} |\n", pass.file.substr(0, pass.file.rfind('.')) + extension,
-                        round, pass.is_reduced ? fmt::format("1/{}", kit.factor) : "full", fmt::join(pass.inputs, ", "),
+                        round, pass.is_reduced ? fmt::format("1/{}", kit.factor) : "full", samplers_text(pass),
                         fmt::join(pass.outputs, ", "), bytes);
   }
   text += fmt::format(kUniforms, kit.language == ShaderLanguage::kGlslEs ? "frame.js" : "frame.h", kDepthKinds);

@@ -31,9 +31,10 @@ void main() {
 export class UmbragePass extends Pass {
   constructor(scene, camera, options = {}) {
     super();
-    Object.assign(this, { scene, camera, look: "ao", radius: 0, intensity: 1, bleeding: 1, halfResolution: false, lineColor: new Color(0),
-                          lineOpacity: 1, light: null, output: "picture", depthTexture: null }, options);
-    this.lineColor = new Color(this.lineColor);
+    const defaults = { look: "ao", radius: 0, intensity: 1, bleeding: 1, halfResolution: false, lineColor: new Color(0),
+                       lineOpacity: 1, light: null, output: "picture", depthTexture: null };
+    for (const name of Object.keys(options)) if (!(name in defaults)) throw new Error(`UmbragePass: there is no option '${name}'; options are ${Object.keys(defaults).join(", ")}.`);
+    Object.assign(this, { scene, camera }, defaults, options);
     this.bounds = this.effect = null;
     this.materials = new Map();
     this.hidden = new MeshLambertMaterial({ visible: false });
@@ -41,7 +42,7 @@ export class UmbragePass extends Pass {
     this.outputs = Object.fromEntries(names.slice(2).map((name) => [name, new ExternalTexture(null)]));
     const uniforms = Object.fromEntries(["beauty", ...names].map((name) => [name, { value: this.outputs[name] ?? null }]));
     for (const name of ["look", "shown", "intensity", "bleeding", "lineOpacity"]) uniforms[name] = { value: 0 };
-    uniforms.lineColor = { value: this.lineColor };
+    uniforms.lineColor = { value: new Color() };
     this.quad = new FullScreenQuad(new ShaderMaterial({
       uniforms, fragmentShader: COMPOSE, glslVersion: GLSL3, depthTest: false, depthWrite: false, blending: NoBlending, toneMapped: false,
       vertexShader: "out vec2 place; void main() { place = uv; gl_Position = vec4(position.xy, 0., 1.); }" }));
@@ -116,7 +117,8 @@ export class UmbragePass extends Pass {
     let from = this.light;
     if (!from) this.scene.traverseVisible((object) => { if (object.isDirectionalLight) from ??= object; });
     if (!from) return undefined;
-    const world = from.isVector3 ? from.clone() : from.getWorldPosition(new Vector3()).sub(from.target.getWorldPosition(new Vector3()));
+    // A light without a target, such as a point light, shines on the middle of the scene.
+    const world = from.isVector3 ? from.clone() : from.getWorldPosition(new Vector3()).sub(from.target?.getWorldPosition(new Vector3()) ?? this.bounds.center);
     return world.transformDirection(this.camera.matrixWorldInverse).toArray();
   }
 
@@ -124,6 +126,8 @@ export class UmbragePass extends Pass {
   shade(renderer, width, height, beauty) {
     const { camera, look } = this, raw = (texture) => renderer.properties.get(texture).__webglTexture;
     if (!LOOKS[look]) throw new Error(`UmbragePass: there is no look '${look}'; looks are ${Object.keys(LOOKS).join(", ")}.`);
+    if (!["picture", "ao"].includes(this.output)) throw new Error(`UmbragePass: output is 'picture' or 'ao', not '${this.output}'.`);
+    if (!(this.radius >= 0)) throw new Error(`UmbragePass: the radius is 0 or above, not ${this.radius}.`);
     if (this.depthTexture && look != "ao") throw new Error(`UmbragePass: depthTexture suffices for the look 'ao' only; '${look}' needs the colours of surfaces.`);
     const key = `${look} ${this.halfResolution}`;
     if (this.key != key) {
@@ -149,12 +153,14 @@ export class UmbragePass extends Pass {
 
   render(renderer, writeBuffer, readBuffer) {
     const { width, height, texture } = readBuffer, { uniforms } = this.quad.material;
+    if (!(width > 0 && height > 0)) return;  // of a hidden page
     const shaded = this.shade(renderer, width, height, texture);
     for (const [name, external] of Object.entries(this.outputs)) external.sourceTexture = shaded[name] ?? shaded.ao;
     uniforms.beauty.value = texture;
     [uniforms.albedo.value, uniforms.surface.value] = this.depthTexture ? [texture, texture] : this.surfaces.textures;
     uniforms.look.value = Object.keys(LOOKS).indexOf(this.look);
     uniforms.shown.value = this.output == "ao" ? 1 : 0;
+    uniforms.lineColor.value.set(this.lineColor);
     for (const name of ["intensity", "bleeding", "lineOpacity"]) uniforms[name].value = this[name];
     renderer.setRenderTarget(this.renderToScreen ? null : writeBuffer);
     this.quad.render(renderer);
