@@ -204,12 +204,15 @@ std::vector<ConstantField> constant_fields(std::string_view header, std::string_
       std::string about = comment == std::string::npos ? before : line.substr(comment + 3);
       before.clear();
       const std::string type = code.substr(0, code.find(' '));
-      for (std::string field :
-           split_outside(std::string_view(code).substr(type.size(), code.size() - type.size() - 1), ",")) {
+      const auto names = split_outside(std::string_view(code).substr(type.size(), code.size() - type.size() - 1), ",");
+      const auto parts = split_outside(about, ";");  // "scene units; relative to the distance": one part for each name
+      for (std::size_t k = 0; k < names.size(); ++k) {
+        const std::string& field = names[k];
         const std::size_t bracket = field.find('[');
         const bool is_array = bracket != std::string::npos;
         const int count = is_array ? product_of(header, field.substr(bracket + 1, field.size() - bracket - 2)) : 1;
-        fields.push_back({type, field.substr(0, bracket), count, is_array, about});
+        fields.push_back(
+            {type, field.substr(0, bracket), count, is_array, parts.size() == names.size() ? parts[k] : about});
       }
     }
     if (line == begin) inside = true;

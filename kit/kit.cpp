@@ -110,6 +110,7 @@ class Maker {
           runs.begin(), runs.end(), [&](const auto& run) { return run.first == dispatch && run.second > 0; });
       ShaderParts& made = parts[dispatch] =
           shader_parts(kernel_text(dispatch->kernel), fields, absent, is_first_round_alone, kit_.language);
+      made.about = fmt::format("// {}\n//\n{}", effect.summary, made.about);
       members.insert(made.frame.begin(), made.frame.end());
       if (made.outputs.size() > kMaxOutputs)
         return usage_error(

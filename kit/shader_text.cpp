@@ -164,10 +164,6 @@ std::string array_or(const ConstantField& field, std::size_t count, std::string_
   return field.is_array ? fmt::format("{}[{}]{}", field.type, count, text) : std::string(text);
 }
 
-std::string wrapped_comment(const std::string& about, std::string_view indent) {
-  return about.empty() ? std::string() : fmt::format("{}// {}\n", indent, about);
-}
-
 }  // namespace
 
 std::string number_literal(const ConstantField& field, std::uint32_t bits) {
@@ -270,8 +266,8 @@ std::string shader_text(const ShaderParts& parts, const EffectFields& fields, co
   text += fmt::format("// What depends on the view: README.md has the formulas.\nlayout(std140{}) uniform {} {{\n",
                       is_gl ? "" : fmt::format(", binding = {}", binding), head.block);
   for (const FrameField& frame : head.frame) {
-    text += wrapped_comment(frame.field.about, "  ");
-    text += fmt::format("  {} {};\n", frame.field.type, frame.member);
+    text += fmt::format("  {} {};{}\n", frame.field.type, frame.member,
+                        frame.field.about.empty() ? "" : "  // " + frame.field.about);
   }
   text += "} F;\n\n";
   std::string members, values;
