@@ -128,6 +128,7 @@ struct Checker {
   std::mutex mutex;
   std::map<VkCommandBuffer, MemoryOrder> buffers;
   PFN_vkGetInstanceProcAddr get = nullptr;
+  PFN_vkDestroyCommandPool destroy_pool = nullptr;
   PFN_vkBeginCommandBuffer begin = nullptr;
   PFN_vkQueueSubmit submit = nullptr;
   PFN_vkCmdDispatch dispatch = nullptr;
@@ -153,6 +154,11 @@ void with_order(VkCommandBuffer buffer, Use use) {
   use(checker().buffers.try_emplace(buffer, report).first->second);
 }
 
+VKAPI_ATTR void VKAPI_CALL destroy_pool(VkDevice device, VkCommandPool pool, const VkAllocationCallbacks* allocator) {
+  checker().destroy_pool(device, pool, allocator);
+  const std::lock_guard lock(checker().mutex);
+  checker().buffers.clear();  // a new buffer may have the handle of an old one, and an engine begins it unseen
+}
 VKAPI_ATTR VkResult VKAPI_CALL begin(VkCommandBuffer buffer, const VkCommandBufferBeginInfo* info) {
   with_order(buffer, [](MemoryOrder& order) { order.begin(); });
   return checker().begin(buffer, info);
@@ -235,7 +241,8 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL checked_get(VkInstance instance, const 
   const PFN_vkVoidFunction real = c.get(instance, name);
   if (!real) return nullptr;
   for (const PFN_vkVoidFunction replacement :
-       {replaced("vkBeginCommandBuffer", name, real, c.begin, begin),
+       {replaced("vkDestroyCommandPool", name, real, c.destroy_pool, destroy_pool),
+        replaced("vkBeginCommandBuffer", name, real, c.begin, begin),
         replaced("vkQueueSubmit", name, real, c.submit, submit),
         replaced("vkCmdDispatch", name, real, c.dispatch, dispatch),
         replaced("vkCmdDispatchBase", name, real, c.dispatch_base, dispatch_base),
