@@ -1,14 +1,15 @@
-// The kernel dialect for graphics APIs in which planes are textures: GLSL and GLSL ES 3.00 fragment shaders. Counterpart
-// of glsl.h. `umbrage shaders` writes one shader per dispatch from it (kit/shader_text.h). It expands the macros of
-// planes once per plane, with line breaks, and leaves out functions that the kernel does not call.
+// The kernel dialect for graphics APIs in which planes are textures: GLSL and GLSL ES 3.00 fragment shaders.
+// Counterpart of glsl.h. `umbrage shaders` writes one shader per dispatch from it (kit/shader_text.h). It expands the
+// macros of planes once per plane, with line breaks, and leaves out functions that the kernel does not call.
 //
 // A plane is the texture NAME_texture: one channel, or three of a vector or colour, with alpha in the fourth. An output
 // is NAME_out. A plane that a kernel reads and writes is both. A texture of one pixel stands for a constant plane.
 // F is the uniform block of what depends on the view, C the settings. There is one depth layer. A place is the column
 // and the row of a pixel, 16 bits each.
 //
-// Differences from the other targets: without FMA, mul_add rounds twice; the depth of the background is 0 in textures, and
-// kFar in the shader, since GLSL ES guarantees no infinities.
+// Differences from the other targets: without FMA, mul_add rounds twice; the depth of the background is 0 in textures,
+// and kFar in the shader, since GLSL ES guarantees no infinities.
+
 const int kLanes = 1;
 const int kListLength = 8;
 
@@ -72,39 +73,39 @@ vec3 decoded_normal(vec4 texel) {
   return normalize(n);
 }
 
-#define IN_PLANE(type, name, fetched)                                                                                  \
-  uniform highp sampler2D name_texture;                                                                                \
-  type texel_of_name(ivec2 pixel) {                                                                                    \
-    vec4 texel = texelFetch(name_texture, texel_of(pixel, textureSize(name_texture, 0)), 0);                           \
-    return fetched;                                                                                                    \
-  }                                                                                                                    \
-  type read_name(int place) { return texel_of_name(ivec2(place & 0xffff, place >> 16)); }                              \
-  type read_name_of(int layer, int place) { return read_name(place); }                                                 \
-  type load_name(int x, int y) { return texel_of_name(ivec2(x, y)); }                                                  \
-  type near_name(int i, int j) { return texel_of_name(here + ivec2(i, j)); }                                           \
-  type near_name_of(int layer, int i, int j) { return near_name(i, j); }                                               \
-  type own_name() { return texel_of_name(here); }                                                                      \
-  type corner_name(int f, int i, int j) { return texel_of_name((here / f + ivec2(i, j)) * f); }                        \
+#define IN_PLANE(type, name, fetched)                                                           \
+  uniform highp sampler2D name_texture;                                                         \
+  type texel_of_name(ivec2 pixel) {                                                             \
+    vec4 texel = texelFetch(name_texture, texel_of(pixel, textureSize(name_texture, 0)), 0);    \
+    return fetched;                                                                             \
+  }                                                                                             \
+  type read_name(int place) { return texel_of_name(ivec2(place & 0xffff, place >> 16)); }       \
+  type read_name_of(int layer, int place) { return read_name(place); }                          \
+  type load_name(int x, int y) { return texel_of_name(ivec2(x, y)); }                           \
+  type near_name(int i, int j) { return texel_of_name(here + ivec2(i, j)); }                    \
+  type near_name_of(int layer, int i, int j) { return near_name(i, j); }                        \
+  type own_name() { return texel_of_name(here); }                                               \
+  type corner_name(int f, int i, int j) { return texel_of_name((here / f + ivec2(i, j)) * f); } \
   type block_name(int f, int i, int j) { return texel_of_name(here / f + ivec2(i, j)); }
 
-#define OUT_PLANE(type, name, set)                                                                                     \
-  layout(location = name_location) out highp name_format name_out;                                                     \
-  void store_name(type v) { set; }                                                                                     \
-  void store_name_of(int layer, type v) { store_name(v); }                                                             \
+#define OUT_PLANE(type, name, set)                                 \
+  layout(location = name_location) out highp name_format name_out; \
+  void store_name(type v) { set; }                                 \
+  void store_name_of(int layer, type v) { store_name(v); }         \
   void store_name_alpha(float v) { name_out.a = v; }
 
 // The text uses at most one list and one sum per shader thread.
-#define LIST_PLANE(type, name, length)                                                                                 \
-  type name_list[length];                                                                                              \
-  void keep_name(int slot, type v) { name_list[slot] = v; }                                                            \
-  type kept_name(int slot) { return name_list[slot]; }                                                                 \
-  void append_name(int at, bool where, type v) {                                                                       \
-    if (where) name_list[at] = v;                                                                                      \
-  }                                                                                                                    \
+#define LIST_PLANE(type, name, length)                      \
+  type name_list[length];                                   \
+  void keep_name(int slot, type v) { name_list[slot] = v; } \
+  type kept_name(int slot) { return name_list[slot]; }      \
+  void append_name(int at, bool where, type v) {            \
+    if (where) name_list[at] = v;                           \
+  }                                                         \
   type entries_name(int at) { return name_list[at]; }
 
-#define SUMS_PLANE(type, name, length)                                                                                 \
-  vec3 name_sum;                                                                                                       \
-  void clear_name() { name_sum = vec3(0.0); }                                                                          \
-  void add_to_name(int lane, vec3 v) { name_sum += v; }                                                                \
+#define SUMS_PLANE(type, name, length)                  \
+  vec3 name_sum;                                        \
+  void clear_name() { name_sum = vec3(0.0); }           \
+  void add_to_name(int lane, vec3 v) { name_sum += v; } \
   vec3 sum_of_name() { return name_sum; }

@@ -73,13 +73,6 @@ class Constants {
   int factor_;
 };
 
-double value_of(const ConstantField& field, std::uint32_t word) {
-  if (field.type == "int") return double(std::int32_t(word));
-  float value = 0.0f;
-  std::memcpy(&value, &word, sizeof value);
-  return double(value);
-}
-
 /// Returns views that differ from the first in everything.
 std::vector<View> other_views() {
   std::vector<View> views;
@@ -102,12 +95,11 @@ std::vector<View> other_views() {
 }
 
 std::string number_text(double value) {
-  const float single = float(value);
   for (int digits = 1; digits < 9; ++digits) {
     const std::string text = fmt::format("{:.{}g}", value, digits);
     if (std::abs(std::stod(text) / value - 1.0) < 2e-7) return text;
   }
-  return fmt::format("{:.9g}", single);
+  return fmt::format("{:.9g}", value);
 }
 
 /// A constant as a factor times powers of quantities.
@@ -208,8 +200,8 @@ std::string name_text(const ValueOf& value) {
       {"light_y", [](const View& view) { return double(glm::normalize(view.light).y); }},
       {"light_z", [](const View& view) { return double(glm::normalize(view.light).z); }},
   };
+  const auto views = other_views();
   for (const auto& [name, of] : names) {
-    const auto views = other_views();
     if (std::all_of(views.begin(), views.end(), [&](const View& view) { return are_close(of(view), value(view)); }))
       return name;
   }
@@ -281,6 +273,13 @@ std::vector<FrameField> common_fields() {
 }
 
 }  // namespace
+
+double value_of(const ConstantField& field, std::uint32_t bits) {
+  if (field.type == "int") return double(std::int32_t(bits));
+  float value = 0.0f;
+  std::memcpy(&value, &bits, sizeof value);
+  return double(value);
+}
 
 PictureInfo usual_picture() {
   View view;

@@ -12,7 +12,10 @@ namespace umbrage {
 /// A constant that depends on the view: a member of the uniform block F. Of an array it is the first element.
 struct FrameField {
   ConstantField field;
-  /// How it follows from the view: an expression of C and JavaScript with the names of kViewNames; empty: unknown.
+  /// How it follows from the view, as an expression of C and JavaScript; empty: unknown. Names in it: `width`,
+  /// `height`, pixels; `left`, `right`, `bottom`, `top`, the window of the picture at depth 1 (orthographic: in scene
+  /// units), and `pixel_width`, `pixel_height` there; `orthographic`, 0 or 1; `scene_radius`, `depth_min`, `depth_max`,
+  /// scene units; `light_x`, `light_y`, `light_z`, the unit vector to the light, view space; `round`, its index.
   std::string formula;
   std::string member;  ///< its name in the block
 };
@@ -28,12 +31,8 @@ struct EffectFields {
   std::vector<SettingField> settings;
 };
 
-/// The names in formulas: sizes of the picture in pixels, its window at depth 1 (orthographic: in scene units), size of
-/// a pixel there, radius of the scene and range of depths, scene units; unit vector to the light, view space; index of
-/// the round.
-inline constexpr const char* kViewNames[] = {
-    "width",        "height",       "orthographic", "left",      "right",   "bottom",  "top",     "pixel_width",
-    "pixel_height", "scene_radius", "depth_min",    "depth_max", "light_x", "light_y", "light_z", "round"};
+/// Returns the value of a constant, of its bits.
+double value_of(const ConstantField& field, std::uint32_t bits);
 
 /// Returns the constants of an effect with these params, in a picture whose sides are 1 / `factor` of the whole one.
 EffectFields effect_fields(const Effect& effect, const ParameterBytes& params, std::string_view header,

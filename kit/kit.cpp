@@ -48,6 +48,13 @@ Error cannot_be_shader(const Effect& effect, const Dispatch& dispatch) {
                      other.empty() ? "" : fmt::format("; with --set {} it can", other));
 }
 
+bool is_reduced_plane(const std::string& name) { return name.starts_with(reduced_plane("")); }
+
+/// Returns the name of the plane at full size.
+std::string whole_plane(const std::string& name) {
+  return is_reduced_plane(name) ? name.substr(reduced_plane("").size()) : name;
+}
+
 /// Makes the kit of several effects.
 class Maker {
  public:
@@ -63,6 +70,7 @@ class Maker {
       if (effects_[k]->set_reduction && end == 0) end = k;
       if (!effects_[k]->set_reduction && writes(*effects_[k], params_of(settings_, effects_[k]->name), "ao")) first = k;
     }
+    kit_.factor = factor_of_upsampler();
     for (std::size_t k = 0; k < effects_.size(); ++k) {
       const Effect& effect = *effects_[k];
       ParameterBytes& params = params_of(settings_, effect.name);
@@ -74,7 +82,6 @@ class Maker {
         kit_.settings.push_back(fmt::format("{}.{}={}", effect.name, row.name, value));
         if (value != parameter_text(row, initial)) kit_.changed.push_back(kit_.settings.back());
       }
-      if (k >= first || effect.set_reduction) kit_.factor = factor_of_upsampler();
       if (auto status = add(effect, params, k >= first && k < end); !status) return status.error();
     }
     if (first < end) add_reduction();
@@ -185,7 +192,7 @@ class Maker {
       const std::string name = texture_of(plane.name, is_reduced);
       pass.samplers.push_back(plane.name + "_texture");
       pass.inputs.push_back(name);
-      texture(name, plane.channels, is_reduced || name.starts_with(reduced_plane("")));
+      texture(name, plane.channels, is_reduced || is_reduced_plane(name));
     }
     const bool packs = std::any_of(parts.items.begin(), parts.items.end(),
                                    [](const KernelItem& item) { return item.names[0] == "packed_pair"; });
@@ -200,8 +207,8 @@ class Maker {
   /// Adds a pass for each reduced plane that nothing writes, which makes it from the plane of full size.
   void add_reduction() {
     for (const std::string& name : read_before_written()) {
-      if (!name.starts_with(reduced_plane(""))) continue;
-      const std::string whole = name.substr(reduced_plane("").size());
+      if (!is_reduced_plane(name)) continue;
+      const std::string whole = whole_plane(name);
       texture(whole, texture(name, 1, true).channels, false);
       const auto reader = std::find_if(kit_.passes.begin(), kit_.passes.end(),
                                        [&](const KitPass& pass) { return contains(pass.inputs, name); });
@@ -235,7 +242,7 @@ class Maker {
       if (!contains(pass.inputs, name) && !contains(pass.outputs, name)) continue;
       const Effect* effect = find_effect(pass.effect);
       if (!effect || contains(pass.outputs, name)) return false;
-      const std::string plane = pass.is_reduced ? name.substr(reduced_plane("").size()) : name;
+      const std::string plane = pass.is_reduced ? whole_plane(name) : name;
       return std::any_of(effect->dispatches.begin(), effect->dispatches.end(), [&](const Dispatch& dispatch) {
         return file_of(*effect, dispatch) == pass.file &&
                std::any_of(dispatch.later_inputs.begin(), dispatch.later_inputs.end(),
@@ -259,9 +266,7 @@ class Maker {
       each.role = contains(read, each.name) ? written && !read_later ? Role::kInOut : Role::kInput
                   : written && !read_later  ? Role::kOutput
                                             : Role::kIntermediate;
-      const std::string plane =
-          each.name.starts_with(reduced_plane("")) ? each.name.substr(reduced_plane("").size()) : each.name;
-      const auto value = neutral_value(plane);
+      const auto value = neutral_value(whole_plane(each.name));
       each.has_neutral = (each.role == Role::kInput || each.role == Role::kInOut) && value.has_value();
       if (each.has_neutral) each.neutral = *value;
     }

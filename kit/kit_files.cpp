@@ -2,15 +2,12 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/lists.h"
 #include "core/version.h"
 #include "kit/kit.h"
 #include "kit/text.h"
 
 namespace umbrage {
 namespace {
-
-using Role = KitTexture::Role;
 
 constexpr std::string_view kRoles[] = {"input", "inout", "intermediate", "output"};
 
@@ -134,8 +131,7 @@ std::string mips_text(bool is_script) {
   return replaced(text, "PARAMETER ", is_script ? "" : "int ");
 }
 
-/// Returns the declarations of the variables that the formulas of a block need. `view`: how a field of the view is
-/// read: "v->{}".
+/// Returns the declarations of the variables that the formulas of a block need.
 std::string variables(const KitBlock& block, bool is_script) {
   const std::set<std::string> words = formula_words(block);
   const bool width = words.count("pixel_width") > 0, height = words.count("pixel_height") > 0;

@@ -137,7 +137,7 @@ std::string_view kit_error(const Kit& kit) {
 }
 
 std::string kit_readme(const Kit& kit) {
-  const bool is_gl = kit.language == ShaderLanguage::kGlsl || kit.language == ShaderLanguage::kGlslEs;
+  const bool is_gl = is_opengl(kit.language);
   const std::string extension(language_extension(kit.language));
   std::string text = fmt::format(kFirst, fmt::join(kit.effects, ", "), language_name(kit.language), project_version(),
                                  fmt::join(kit.effects, ","), bindings_text(kit.language),

@@ -1,19 +1,15 @@
 // Shaders of every kit that no effect has.
 #include "kit/kit.h"
+#include "kit/text.h"
 
 namespace umbrage {
 namespace {
 
 /// Returns the first lines of a shader, and its text without what the language does not have.
 std::string with_head(ShaderLanguage language, std::string text) {
-  if (language == ShaderLanguage::kGlslEs)
-    return "#version 300 es\nprecision highp float;\nprecision highp int;\n" + text;
-  for (std::size_t at = 0; (at = text.find("highp ")) != std::string::npos;) text.erase(at, 6);
-  return (language == ShaderLanguage::kGlsl ? "#version 430 core\n" : "#version 450\n") + text;
-}
-
-bool has_bindings(ShaderLanguage language) {
-  return language != ShaderLanguage::kGlsl && language != ShaderLanguage::kGlslEs;
+  const std::string first(version_line(language));
+  if (language == ShaderLanguage::kGlslEs) return first + "precision highp float;\nprecision highp int;\n" + text;
+  return first + replaced(std::move(text), "highp ", "");
 }
 
 }  // namespace
@@ -29,7 +25,7 @@ std::string_view language_extension(ShaderLanguage language) {
 }
 
 std::string triangle_shader(ShaderLanguage language) {
-  const std::string index = has_bindings(language) ? "gl_VertexIndex" : "gl_VertexID";
+  const std::string index = is_opengl(language) ? "gl_VertexID" : "gl_VertexIndex";
   return with_head(language,
                    fmt::format(R"(// A triangle that covers the picture: draw three vertices, without a vertex buffer.
 void main() {{
@@ -41,7 +37,7 @@ void main() {{
 }
 
 std::string linear_depth_shader(ShaderLanguage language) {
-  const bool binds = has_bindings(language);
+  const bool binds = !is_opengl(language);
   return with_head(
       language,
       fmt::format(
@@ -67,7 +63,7 @@ void main() {{
 }
 
 std::string reduction_shader(ShaderLanguage language, int factor) {
-  const bool binds = has_bindings(language);
+  const bool binds = !is_opengl(language);
   const std::string place =
       binds ? fmt::format("ivec2(gl_FragCoord.xy) * {}", factor)
             : fmt::format("ivec2(int(gl_FragCoord.x) * {0}, size.y - 1 - (rows - 1 - int(gl_FragCoord.y)) * {0})",

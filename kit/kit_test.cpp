@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <optional>
 
 #include "core/gbuffer.h"
@@ -14,6 +13,7 @@
 #include "run_effect.h"
 #include "run_program.h"
 #include "support.h"
+#include "system/machine.h"
 
 namespace umbrage {
 namespace {
@@ -93,8 +93,12 @@ View view_of(const PictureInfo& info) {
 class FrameFunctions {
  public:
   explicit FrameFunctions(const Kit& kit) {
-    std::string folder = (std::filesystem::temp_directory_path() / "umbrage-kit-XXXXXX").string();
-    EXPECT_NE(::mkdtemp(folder.data()), nullptr);
+    const auto made = TemporaryFolder::create();
+    if (!made) {
+      ADD_FAILURE() << made.error().message;
+      return;
+    }
+    const std::string folder = made->path().string();
     std::ofstream(folder + "/frame.h") << kit_header(kit);
     std::string code =
         "#include \"frame.h\"\n#include <string.h>\n"
@@ -110,7 +114,6 @@ class FrameFunctions {
     EXPECT_EQ(std::system(command.c_str()), 0);
     library_ = ::dlopen((folder + "/frame.so").c_str(), RTLD_NOW);
     EXPECT_NE(library_, nullptr);
-    std::filesystem::remove_all(folder);
   }
   ~FrameFunctions() {
     if (library_) ::dlclose(library_);

@@ -89,7 +89,7 @@ std::set<std::string> files_of_former_kit(const std::string& folder) {
 
 /// Returns all files of a kit.
 Result<std::vector<KitFile>> files_of(const Kit& kit) {
-  const bool is_gl = kit.language == ShaderLanguage::kGlsl || kit.language == ShaderLanguage::kGlslEs;
+  const bool is_gl = is_opengl(kit.language);
   std::vector<KitFile> shaders = kit.shaders;
   shaders.push_back({"linear_depth.frag", linear_depth_shader(kit.language)});
   const KitFile triangle{"screen.vert", triangle_shader(kit.language)};

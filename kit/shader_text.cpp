@@ -1,7 +1,6 @@
 #include "kit/shader_text.h"
 
 #include <algorithm>
-#include <cstring>
 #include <regex>
 
 #include "core/check.h"
@@ -167,10 +166,9 @@ std::string array_or(const ConstantField& field, std::size_t count, std::string_
 }  // namespace
 
 std::string number_literal(const ConstantField& field, std::uint32_t bits) {
-  if (field.type == "int") return fmt::format("{}", std::int32_t(bits));
-  float value = 0.0f;
-  std::memcpy(&value, &bits, sizeof value);
-  std::string text = fmt::format("{}", value);
+  const double value = value_of(field, bits);
+  if (field.type == "int") return fmt::format("{}", int(value));
+  std::string text = fmt::format("{}", float(value));
   if (text.find_first_of(".en") == std::string::npos) text += ".0";
   return text;
 }
@@ -179,7 +177,6 @@ ShaderParts shader_parts(const KernelText& kernel, const EffectFields& fields,
                          const std::map<std::string, float>& absent, bool is_first_round_alone,
                          ShaderLanguage language) {
   const KernelItems source = kernel_items(kernel);
-  std::vector<KernelItem> all;
   std::set<std::string> floats;
   std::map<std::string, std::string> varying;  // names of constants, and of the members of F that they are
   for (const SettingField& setting : fields.settings)
@@ -225,9 +222,7 @@ ShaderParts shader_parts(const KernelText& kernel, const EffectFields& fields,
         item.text = replaced(with_word(replaced(item.text, "C.", "C__"), "C__" + name, "F." + member), "C__", "C.");
     item.text = std::regex_replace(item.text, array_element, "F.$1");
     item.text = replaced(item.text, "ROW_0_AT_TOP ? pixel : ivec2(pixel.x, size.y - 1 - pixel.y)",
-                         language == ShaderLanguage::kGlsl || language == ShaderLanguage::kGlslEs
-                             ? "ivec2(pixel.x, size.y - 1 - pixel.y)"
-                             : "pixel");
+                         is_opengl(language) ? "ivec2(pixel.x, size.y - 1 - pixel.y)" : "pixel");
     if (language == ShaderLanguage::kGlslEs) item.text = replaced(item.text, "fma(a, b, c)", "a * b + c");
     if (language != ShaderLanguage::kGlslEs) item.text = replaced(item.text, "highp ", "");
     add_members(item.text, 'F', parts.frame);
@@ -251,8 +246,8 @@ ShaderParts shader_parts(const KernelText& kernel, const EffectFields& fields,
 
 std::string shader_text(const ShaderParts& parts, const EffectFields& fields, const ShaderHead& head,
                         ShaderLanguage language) {
-  const bool is_es = language == ShaderLanguage::kGlslEs, is_gl = is_es || language == ShaderLanguage::kGlsl;
-  std::string text = is_es ? "#version 300 es\n" : is_gl ? "#version 430 core\n" : "#version 450\n";
+  const bool is_es = language == ShaderLanguage::kGlslEs, is_gl = is_opengl(language);
+  std::string text(version_line(language));
   text += fmt::format("// {}, by Umbrage {}. MIT licence.\n//\n", head.title, project_version());
   text += parts.about + "\n";
   if (is_es) text += "precision highp float;\nprecision highp int;\n\n";

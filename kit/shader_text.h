@@ -12,6 +12,17 @@ namespace umbrage {
 
 enum class ShaderLanguage { kGlsl, kGlslEs, kHlsl, kMsl, kSpirv };
 
+/// Returns whether the language is GLSL of OpenGL or OpenGL ES: textures have row 0 at the bottom, and no bindings.
+inline bool is_opengl(ShaderLanguage language) {
+  return language == ShaderLanguage::kGlsl || language == ShaderLanguage::kGlslEs;
+}
+
+/// Returns the first line of a shader in GLSL.
+inline std::string_view version_line(ShaderLanguage language) {
+  if (language == ShaderLanguage::kGlslEs) return "#version 300 es\n";
+  return is_opengl(language) ? "#version 430 core\n" : "#version 450\n";
+}
+
 /// A plane of a shader: a texture that it reads, or an output.
 struct ShaderPlane {
   std::string name;  ///< of the plane, a colour or vector without its channel: "normal"
