@@ -197,7 +197,7 @@ UmbError shade(UmbVulkanShading shading, const char* function, const UmbVulkanGB
   return call_on<VulkanShadingObject>(shading, function, Use::kChanges,
                                       [&](VulkanShadingObject& object) -> Result<void> {
                                         if (!gbuffer || !work)
-                                          return usage_error("{}: commands, gbuffer and work cannot be NULL", function);
+                                          return usage_error("{}: gbuffer and work cannot be NULL", function);
                                         if (auto status = check_slot(slot); !status) return status;
                                         object.size = fmt::format("{} x {} pixels", gbuffer->width, gbuffer->height);
                                         EndCall end{*object.device};
@@ -240,7 +240,11 @@ UmbError umbShadeVulkanImages(UmbVulkanShading shading, const UmbVulkanGBuffer* 
 
 UmbError umbRecordVulkanImages(UmbVulkanShading shading, VkCommandBuffer commands, int32_t slot,
                                const UmbVulkanGBuffer* gbuffer, const UmbVulkanWork* work) {
-  if (!commands) gbuffer = nullptr;  // reported below
+  if (!commands)
+    return call_on<VulkanShadingObject>(shading, "umbRecordVulkanImages", Use::kChanges,
+                                        [](VulkanShadingObject&) -> Result<void> {
+                                          return usage_error("umbRecordVulkanImages: commands cannot be NULL");
+                                        });
   return shade(shading, "umbRecordVulkanImages", gbuffer, work, commands, slot);
 }
 
