@@ -1,6 +1,8 @@
 // Reads /proc/meminfo (proc(5)) and the limit of the control group, version 2, that a container sees as its own.
 #include "system/machine.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
@@ -23,6 +25,12 @@ double available_memory() {
   }
   if (double limit = 0.0; std::ifstream("/sys/fs/cgroup/memory.max") >> limit) available = std::min(available, limit);
   return available;
+}
+
+void release_free_memory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
 }
 
 Result<std::filesystem::path> temporary_folder() {

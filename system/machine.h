@@ -10,6 +10,10 @@ namespace umbrage {
 /// and at most the limit of the container. Infinite if it is not known.
 double available_memory();
 
+/// Returns to the system what was freed but is kept for later. It takes milliseconds, and so does the next use of such
+/// memory.
+void release_free_memory();
+
 /// Returns the folder for temporary files: TMPDIR, or /tmp. Errors: kFile if it is not a folder.
 Result<std::filesystem::path> temporary_folder();
 

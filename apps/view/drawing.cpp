@@ -10,6 +10,7 @@
 #include "core/guarded.h"
 #include "core/lists.h"
 #include "renderer/devices.h"
+#include "system/machine.h"
 
 namespace umbrage::view {
 namespace {
@@ -180,6 +181,12 @@ void Drawing::draw_until(std::unique_lock<std::mutex>& lock, const std::function
     const auto finished = guarded(purpose, [&] { return finish(*task, status), Result<void>(); });
     static_cast<void>(finished);  // an error text is lost for lack of memory
     ++drawn_;
+    lock.lock();
+    if (task->step <= Step::kMoving || next_task()) continue;
+    // The pictures have come to rest: free memory would stay resident until the next move.
+    lock.unlock();
+    for (auto& [key, device] : devices_) device.kept.reset();
+    release_free_memory();
     lock.lock();
   }
 }

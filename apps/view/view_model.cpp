@@ -291,6 +291,7 @@ Result<void> ViewModel::draw_scene(DrawingDevice& device, const Request& request
                     *device.device, **scene, *plan, is_full_size ? capture_ : moving_capture_, times,
                     [&] { return prepare(device, control.monitor); }, control.monitor, control.monitor, more);
   if (!picture) return picture.error();
+  if (is_full_size) live_.reset();  // the camera has come to rest
   return refines ? Result<void>() : give(plan->recipe, picture->frame, plan->recipe.frames, plan->averages());
 }
 
