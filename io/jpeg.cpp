@@ -154,7 +154,7 @@ struct JpegWriter {
 };
 
 /// Starts a file or, if `stream` is null, a picture in memory that is encoded for speed.
-bool start(JpegWriter& writer, std::FILE* stream, int width, int height, int channels, int quality) {
+bool start(JpegWriter& writer, std::FILE* stream, int width, int height, int channels, const WriteSettings& settings) {
   jpeg_compress_struct& jpeg = writer.jpeg;
   jpeg.err = jpeg_std_error(&writer.error.manager);
   writer.error.manager.error_exit = on_error;
@@ -170,7 +170,11 @@ bool start(JpegWriter& writer, std::FILE* stream, int width, int height, int cha
   jpeg.input_components = channels;
   jpeg.in_color_space = channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
   jpeg_set_defaults(&jpeg);  // 4:2:0
-  jpeg_set_quality(&jpeg, quality, TRUE);
+  jpeg_set_quality(&jpeg, settings.quality, TRUE);
+  if (const auto dpi = std::lround(settings.dpi)) {
+    jpeg.density_unit = 1;  // per inch
+    jpeg.X_density = jpeg.Y_density = UINT16(dpi);
+  }
   if (!stream) {
     jpeg.dct_method = JDCT_IFAST;
     jpeg_start_compress(&jpeg, TRUE);
@@ -198,11 +202,11 @@ bool finish(JpegWriter& writer) {
 
 /// Writes the rows to an open file, or to memory as for start; `name` is its name in errors.
 Result<void> write_to(JpegWriter& writer, std::FILE* stream, const fs::path& name, const ImageShape& shape,
-                      int channels, int quality, const MakeImageRows& make) {
+                      int channels, const WriteSettings& settings, const MakeImageRows& make) {
   const auto failed = [&] {
     return file_error("'{}' cannot be written as JPEG: {}", name.string(), writer.error.text);
   };
-  if (!start(writer, stream, shape.width, shape.height, channels, quality)) return failed();
+  if (!start(writer, stream, shape.width, shape.height, channels, settings)) return failed();
   std::vector<std::uint8_t> row(std::size_t(shape.width) * std::size_t(channels));
   Result<void> made = make([&](const Image& rows) -> Result<void> {
     const auto planes = picture_planes(name, rows, false);
@@ -226,7 +230,7 @@ Result<void> write_jpeg(const fs::path& file, const ImageShape& shape, const Wri
     return file_error("'{}' cannot be written: JPEG has no transparency; .png and .webp have", file.string());
   return write_atomically(file, [&](std::FILE* to) {
     JpegWriter writer;
-    return write_to(writer, to, file, shape, int(planes->size()), settings.quality, make);
+    return write_to(writer, to, file, shape, int(planes->size()), settings, make);
   });
 }
 
@@ -241,7 +245,7 @@ Result<std::string> encode_fast_jpeg(const std::string& name, const Image& image
   if (!planes) return planes.error();
   JpegWriter writer;
   const auto written = write_to(writer, nullptr, name, {image.width, image.height, image.names}, int(planes->size()),
-                                quality, [&](const TakeImageRows& take) { return take(image); });
+                                {.quality = quality}, [&](const TakeImageRows& take) { return take(image); });
   if (!written) return written.error();
   return std::string(reinterpret_cast<const char*>(writer.bytes), writer.size);
 }

@@ -82,6 +82,9 @@ bool start(PngWriter& writer, std::FILE* stream, int width, int height, int chan
   png_init_io(png, stream);
   png_set_IHDR(png, writer.info, width, height, settings.bits, type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                PNG_FILTER_TYPE_DEFAULT);
+  constexpr double kInchesPerMetre = 1.0 / 0.0254;
+  if (const auto per_metre = png_uint_32(std::lround(settings.dpi * kInchesPerMetre)))
+    png_set_pHYs(png, writer.info, per_metre, per_metre, PNG_RESOLUTION_METER);
   if (channels > 1) png_set_sRGB(png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, settings.small ? PNG_ALL_FILTERS : PNG_FILTER_UP);
   png_set_compression_level(png, settings.small ? Z_BEST_COMPRESSION : Z_BEST_SPEED);

@@ -55,6 +55,7 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
   const glm::dmat4 view = view_from_file(plan.camera.view_from_world, plan.origin);
   const WriteSettings settings{.bits = o.bits(),
                                .half = o.half,
+                               .dpi = o.figure.dpi,
                                .quality = o.picture_quality,
                                .threads = device.threads(),
                                .camera = &plan.camera,
@@ -63,10 +64,13 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
     line.show("drawing", done);
     return true;
   };
+  const auto legends = make_legends(o, scene, plan.camera, recipe);
+  if (!legends) return legends.error();
   const auto make = [&](const TakeImageRows& take) -> Result<void> {
-    const auto take_rows = [&](const PictureInfo& info, const Image& rows, int) {
+    const auto take_rows = [&](const PictureInfo& info, const Image& rows, int first) {
       statistics.add(rows.plane("depth"), rows.find("ao"));
-      auto taken = take(convert_for_file(o, destination, rows, names, recipe.settings, info));
+      auto taken = take(
+          drawn_over(convert_for_file(o, destination, rows, names, recipe.settings, info), legends->pixels, first));
       times.done("write");
       return taken;
     };
@@ -86,6 +90,7 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
   auto written =
       lines.alone ? make([](const Image&) { return Result<void>(); }) : write_rows(destination, shape, settings, make);
   if (written && lines) written = write_lines(lines, traced);
+  if (written) written = write_legends(o, *legends, recipe);
   line.wipe();
   if (written) print_hints(recipe, statistics, scene);
   return written;
@@ -297,6 +302,7 @@ Result<void> render(const RenderOptions& o) {
   StageTimes times;
   std::vector<RenderJob> jobs;
   for (RenderOptions& each : *all) {
+    if (auto applied = apply_figure_options(each); !applied) return applied;
     choose_line_look(each);
     if (auto chosen = choose_picture(each); !chosen) return chosen;
     if (auto chosen = choose_samples(each); !chosen) return chosen;
@@ -357,6 +363,7 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   add_frame_rate(*command, options->frame_rate);
   add_output_options(*command, *options,
                      "approximate memory limit, such as 6G or 500M; a picture that needs more is drawn in strips");
+  add_figure_options(*command, options->figure);
   add_device_options(*command, *options, kRender);
 }
 

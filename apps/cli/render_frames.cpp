@@ -253,13 +253,19 @@ Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) 
   const glm::dmat4 view = view_from_file(camera.view_from_world, all.scene.origin);
   const WriteSettings settings{.bits = o.bits(),
                                .half = o.half,
+                               .dpi = o.figure.dpi,
                                .quality = o.picture_quality,
                                .threads = all.device.threads(),
                                .camera = &camera,
                                .view_from_world = &view};
+  const auto legends = make_legends(o, all.scene, camera, job.recipe);
+  if (!legends) return legends.error();
   auto written = write_picture(
-      destination, convert_for_file(o, destination, *image, *names, job.recipe.settings, destination.first_info),
+      destination,
+      drawn_over(convert_for_file(o, destination, *image, *names, job.recipe.settings, destination.first_info),
+                 legends->pixels, 0),
       settings);
+  if (written && task.frame == job.output.frames.front()) written = write_legends(o, *legends, job.recipe);
   times.done("write");
   return written;
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include "apps/cli/figure.h"
 #include "apps/cli/options.h"
 #include "apps/cli/sequence.h"
 #include "io/image_file.h"
@@ -16,6 +17,7 @@ struct RenderOptions : CommonOptions {
   bool animates = false;    ///< draws the animation of the file
   bool same_view = false;   ///< each model is drawn alone, to a file of its own
   SequenceOptions sequence;
+  FigureOptions figure;
   double frame_rate = 30.0;  ///< frames per second of a video
   double time_s = 0.0;       ///< for drawing each picture, seconds; 0: only the samples of the quality
   bool half = false, json = false;
