@@ -67,6 +67,32 @@ inline std::array<int*, 4> textures_of(Material& material) {
   return {&material.texture, &material.emission_texture, &material.surface_texture, &material.normal_texture};
 }
 
+/// Values of a file on the vertices or triangles of a mesh, such as a pressure. `--color-by` shows them.
+struct Field {
+  std::string name;    ///< as in the file
+  int components = 1;  ///< of each value; at least 1
+  bool on_triangles =
+      false;  ///< a value per triangle, else one per position; such fields exist only before finish_scene
+  std::vector<float> values;  ///< `components` per value; NaN: missing
+};
+
+/// How values became the colours of a scene: what a colour bar shows.
+struct ValueColors {
+  enum class Scale {
+    kLinear,
+    kLog,     ///< low > 0
+    kSymlog,  ///< logarithmic on both sides of 0, and linear between -linear_threshold and linear_threshold
+  };
+  std::string name;  ///< of the field, with its component: "velocity.x"
+  float low = 0.0f, high = 1.0f;
+  Scale scale = Scale::kLinear;
+  float linear_threshold = 0.0f;             ///< of kSymlog, > 0
+  std::vector<std::array<float, 3>> colors;  ///< sRGB, 0 to 1, evenly spaced on the scale from low to high
+  bool bands = false;                        ///< each colour fills an interval of its own; else they are interpolated
+  std::array<float, 3> missing{};            ///< sRGB: colour of values that are missing or not finite
+  std::size_t missing_count = 0;             ///< number of such values
+};
+
 /// An indexed triangle mesh with one material, or a set of points.
 struct Mesh {
   std::string name;
@@ -82,8 +108,9 @@ struct Mesh {
   std::vector<float> radii;  ///< points only: one per position, scene units; empty only before finish_scene
   /// Discs only: change of the normal across each disc, see bent_normal; 1 / scene units; empty: discs are flat.
   std::vector<glm::vec3> bends;
-  int material = 0;  ///< index into Scene::materials
-  int object = 0;    ///< object id; parts of one object have the same id
+  std::vector<Field> fields;  ///< those that ImportSettings::field asks for
+  int material = 0;           ///< index into Scene::materials
+  int object = 0;             ///< object id; parts of one object have the same id
 };
 
 /// A camera of a scene: where it is, where it looks, and its projection.
@@ -156,7 +183,8 @@ struct Scene {
   glm::vec3 ground_center{0.0f};  ///< centre of the disc
   /// Distance from the centre of the disc at which shadows on the disc have faded out; 0: they do not fade.
   float ground_fade_distance = 0.0f;
-  std::vector<std::string> warnings;  ///< one sentence each, shown to the user
+  std::shared_ptr<const ValueColors> value_colors;  ///< null: no values are shown
+  std::vector<std::string> warnings;                ///< one sentence each, shown to the user
   /// Found on demand and shared by copies of the scene, which differ in materials, lights and the
   /// ground. New after finish_scene and whatever else changes the model's shape.
   std::shared_ptr<ShapeFacts> shape_facts = std::make_shared<ShapeFacts>();

@@ -22,7 +22,9 @@ struct ImportSettings {
   /// Index of an animation in the file, from 0. Not set: the file's pose without animation.
   std::optional<int> animation_index;
   float animation_time = 0.0f;  ///< seconds from the start of the animation
-  bool file_lights = false;     ///< whether the lights of a glTF file are read; else looks have their own
+  /// Name of the field of values to read; empty: all of them; not set: none.
+  std::optional<std::string> field;
+  bool file_lights = false;  ///< whether the lights of a glTF file are read; else looks have their own
 };
 
 /// Reads 3DS and DAE through Assimp, PDB through Gemmi, OBJ with MTL, glTF/GLB, FBX, PLY, STL, OFF, 3MF and points in
