@@ -21,6 +21,8 @@ struct Look {
   std::string_view lit_by = {};
   LookPresets image_lit_presets = {};      ///< further settings if an image lights the scene and lit_by uses it
   LookPresets image_exposed_presets = {};  ///< and these, unless the exposure is metered anyway
+  LookPresets value_presets = {};  ///< and these, after those of value_presets(), if values are shown as colours
+  bool is_colorless = false;       ///< it shows no colours of surfaces
   // Default capture settings: see CaptureSettings.
   int layers = 1;
   bool back_sides = false;

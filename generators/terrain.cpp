@@ -30,7 +30,7 @@ constexpr float kBase = -40.0f;  // bottom of the block of land
 constexpr int kField = 400;      // samples of the eroded field along a side: 2.5 m
 
 /// Heights on a square grid over the land.
-struct Field {
+struct Relief {
   int n = 0;  ///< samples along a side
   std::vector<float> height;
 
@@ -49,7 +49,7 @@ struct Slope {
 
 /// Evaluates a cubic B-spline around a point. Its second derivative is continuous, so that finer meshes are rounder,
 /// not more faceted.
-Slope smooth_slope(const Field& field, vec2 p) {
+Slope smooth_slope(const Relief& field, vec2 p) {
   const vec2 q = (p + vec2(kHalf)) / field.step();
   const int x = int(std::floor(q.x)), z = int(std::floor(q.y));
   const auto weights = [](float t, float w[4], float dw[4]) {
@@ -123,7 +123,7 @@ float river_bed(vec2 p, float height) {
 }
 
 /// Simulates rain: drops run downhill, take up earth where they are fast and deposit it where they are slow.
-void erode(Field& field) {
+void erode(Relief& field) {
   constexpr int kDrops = 70'000, kSteps = 60;
   constexpr float kInertia = 0.06f, kCapacity = 5.0f, kMinSlope = 0.01f, kErosion = 0.28f, kDeposit = 0.25f,
                   kEvaporation = 0.018f, kGravity = 5.0f;
@@ -182,7 +182,7 @@ void erode(Field& field) {
 }
 
 /// Simulates frost: ground that is too steep slides down to its neighbours, and gathers as scree below the cliffs.
-void weather(Field& field) {
+void weather(Relief& field) {
   constexpr int kRounds = 28;
   constexpr float kMovedFraction = 0.18f;  // fraction of the excess that moves; above 1/4, four neighbours overshoot
   std::vector<float> change(field.height.size());
@@ -206,8 +206,8 @@ void weather(Field& field) {
   }
 }
 
-Field eroded_field() {
-  Field field{kField, std::vector<float>(std::size_t(kField) * kField)};
+Relief eroded_field() {
+  Relief field{kField, std::vector<float>(std::size_t(kField) * kField)};
   for (int z = 0; z < kField; ++z)
     for (int x = 0; x < kField; ++x) field.at(x, z) = raw_height(vec2(float(x), float(z)) * field.step() - vec2(kHalf));
   weather(field);
@@ -234,8 +234,8 @@ float fine_height(vec2 p, float steepness, float spacing) {
 }
 
 /// Returns the field of the mesh, n samples along a side.
-Field mesh_field(const Field& eroded, int n) {
-  Field field{n, std::vector<float>(std::size_t(n) * std::size_t(n))};
+Relief mesh_field(const Relief& eroded, int n) {
+  Relief field{n, std::vector<float>(std::size_t(n) * std::size_t(n))};
   const float step = field.step();
   for (int z = 0; z < n; ++z)
     for (int x = 0; x < n; ++x) {
@@ -251,7 +251,7 @@ struct Ground {
   float height = 0.0f;
   vec3 normal{0, 1, 0};
 };
-Ground ground_at(const Field& field, vec2 p) {
+Ground ground_at(const Relief& field, vec2 p) {
   const vec2 q = glm::clamp((p + vec2(kHalf)) / field.step(), vec2(0.0f), vec2(float(field.n) - 1.001f));
   const int x = int(q.x), z = int(q.y);
   const float u = q.x - float(x), v = q.y - float(z);
@@ -272,7 +272,7 @@ float woods(vec2 p, const Ground& ground) {
 }
 
 /// Returns the colour of the ground by height and slope: sand, meadow, forest floor, scree, rock, snow.
-vec3 ground_color(const Field& eroded, vec2 p) {
+vec3 ground_color(const Relief& eroded, vec2 p) {
   const Slope slope = smooth_slope(eroded, p);
   const float height = slope.height;
   const Ground ground{height, slope.normal()};
@@ -304,7 +304,7 @@ struct Materials {
   int ground, water, cut, needles, boulder;
 };
 
-Materials add_materials(Scene& scene, const Field& eroded) {
+Materials add_materials(Scene& scene, const Relief& eroded) {
   constexpr int kTexels = 1024;  // one metre each
   Materials m{};
   Texture ground = procedural::paint("ground", kTexels, kTexels, [&eroded](vec2 uv) {
@@ -331,7 +331,7 @@ Materials add_materials(Scene& scene, const Field& eroded) {
 }
 
 /// Adds the land as a sheet, and the four sides of its block.
-void add_land(Scene& scene, const Materials& m, const Field& field) {
+void add_land(Scene& scene, const Materials& m, const Relief& field) {
   const int n = field.n - 1;
   const float step = field.step();
   Mesh land = surface(n, n, [&](float u, float v) {
@@ -382,7 +382,7 @@ Mesh fir(int slices, int tiers, std::uint32_t seed) {
 }
 
 /// Adds firs in the wood and boulders below the cliffs, with about `budget` triangles.
-void add_cover(Scene& scene, const Materials& m, const Field& field, int budget) {
+void add_cover(Scene& scene, const Materials& m, const Relief& field, int budget) {
   constexpr int kMaxFirs = 9000, kKinds = 4;
   constexpr int kMinSlices = 4, kMaxSlices = 24;
   const int tiers = budget < 20'000 ? 2 : 3;
@@ -438,10 +438,10 @@ Scene make_terrain(int triangles) {
   constexpr float kLandFraction = 0.6f;
   Scene scene;
   scene.name = "terrain";
-  const Field eroded = eroded_field();
+  const Relief eroded = eroded_field();
   const Materials m = add_materials(scene, eroded);
   const int n = std::max(int(std::sqrt(0.5f * kLandFraction * float(triangles))), 16);
-  const Field field = mesh_field(eroded, n + 1);
+  const Relief field = mesh_field(eroded, n + 1);
   add_land(scene, m, field);
   add_cover(scene, m, field, std::max(triangles - 2 * n * n, 0));
   // The sun, and the bright part of the sky opposite to it.

@@ -229,7 +229,9 @@ std::vector<glm::dvec3> motion_of(Build& build) {
   for (const PlacedMesh& each : meshes) vertices += each.mesh.positions.size();
   for (auto& [index, primitives] : build.known)
     for (Result<GltfPrimitive>& each : primitives)
-      if (each) each->mesh.normals = {}, each->mesh.uvs = {}, each->mesh.colors = {}, each->mesh.smoothing = {};
+      if (each)
+        each->mesh.normals = {}, each->mesh.uvs = {}, each->mesh.colors = {}, each->mesh.smoothing = {},
+        each->mesh.fields = {};
   const std::size_t poses = std::clamp(kMaxVertices / vertices, kMinPoses, kMaxPoses);
   const double duration_s = build.scene.animation_durations_s[std::size_t(*build.settings.animation_index)];
   FarthestPoints farthest;
@@ -252,6 +254,7 @@ void read_materials(Build& build) {
   build.rules.has_borders = build.materials.has_borders;
   build.rules.default_material = int(scene.materials.size()) - 1;
   build.rules.flat = !build.settings.crease_angle_deg;
+  build.rules.field = build.settings.field;
 }
 
 void add_warnings(Build& build) {

@@ -91,6 +91,22 @@ void read_colors(Reader& reader, GltfPrimitive& primitive) {
   }
 }
 
+/// Reads the attributes of the application, such as "_PRESSURE", that are wanted as fields: see ImportSettings.
+void read_fields(Reader& reader, const std::optional<std::string>& wanted, Mesh& mesh) {
+  const Json& attributes = member(reader.primitive, "attributes");
+  if (!wanted || !attributes.is_object()) return;
+  constexpr int kMaxWidth = 4;
+  for (const auto& [name, accessor] : attributes.items()) {
+    if (!name.starts_with('_') || (!wanted->empty() && name != *wanted)) continue;
+    const auto numbers = reader.read_optional(name.c_str(), 1, kMaxWidth, mesh.positions.size());
+    if (!numbers) continue;
+    Field field{.name = name, .components = numbers->width, .values = {}};
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+      field.values.insert(field.values.end(), numbers->at(i), numbers->at(i) + numbers->width);
+    mesh.fields.push_back(std::move(field));
+  }
+}
+
 /// Adds the displacements of the morph targets.
 void apply_morphs(Reader& reader, const std::vector<float>& weights, Mesh& mesh) {
   const Json& targets = member(reader.primitive, "targets");
@@ -219,6 +235,7 @@ Result<GltfPrimitive> read_primitive(GltfFile& file, const Json& json, std::size
   if (std::size_t(mesh.material) < rules.has_borders.size() && rules.has_borders[std::size_t(mesh.material)])
     warn_of_borders(reader, mesh);
   read_colors(reader, primitive);
+  read_fields(reader, rules.field, mesh);
   apply_morphs(reader, morph_weights, mesh);
   const auto is_white = [](const glm::vec3& color) { return color == glm::vec3(1.0f); };
   if (std::all_of(mesh.colors.begin(), mesh.colors.end(), is_white)) mesh.colors.clear();

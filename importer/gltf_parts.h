@@ -39,6 +39,7 @@ struct GltfMeshRules {
   std::vector<bool> has_borders;          ///< of each material: whether a texture is clamped or mirrored
   int default_material = 0;               ///< index of the material for primitives without one
   bool flat = true;                       ///< primitives without normals are flat
+  std::optional<std::string> field;       ///< see ImportSettings
 };
 
 /// Triangles that were left out.

@@ -337,9 +337,9 @@ Result<Scene> import_obj(const fs::path& path) {
   return std::move(obj->scene);
 }
 
-Result<Scene> import_ply(const fs::path& file) {
+Result<Scene> import_ply(const fs::path& file, const std::optional<std::string>& field) {
   std::vector<std::string> textures;
-  Result<Scene> scene = read_ply(file, textures);
+  Result<Scene> scene = read_ply(file, field, textures);
   if (!scene) return scene;
   for (std::size_t i = 0; i < std::min(textures.size(), scene->materials.size()); ++i) {
     const int texture = import_texture(file, textures[i], *scene);
@@ -364,13 +364,13 @@ Result<Scene> import_in_process(const fs::path& file, const ImportSettings& sett
     std::optional<Result<Scene>> gltf = is_gltf ? read_gltf(file, settings) : std::nullopt;
     Result<Scene> scene = gltf                                 ? std::move(*gltf)
                           : format == "obj"                    ? import_obj(file)
-                          : format == "ply"                    ? import_ply(file)
+                          : format == "ply"                    ? import_ply(file, settings.field)
                           : format == "off"                    ? read_off(file)
                           : format == "stl"                    ? read_stl(file)
-                          : format == "xyz" || format == "pts" ? read_xyz(file)
+                          : format == "xyz" || format == "pts" ? read_xyz(file, settings.field)
                           : format == "3mf"                    ? read_3mf(file)
                           : format == "fbx"                    ? read_fbx(file)
-                          : format == "pdb" || format == "ent" ? read_pdb(file)
+                          : format == "pdb" || format == "ent" ? read_pdb(file, settings.field)
                                                                : import_by_assimp(file, format, process_ends);
     // complete_import uses several threads for points. The memory limits of this process leave no room for them.
     if (process_ends && scene && scene->point_count() > 0) return scene;

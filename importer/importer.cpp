@@ -25,7 +25,7 @@ namespace umbrage {
 
 void serve_import(int argc, char** argv, const ImportFunction& import, const PanoramaFunction& panorama) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends this process when the host ends
-  constexpr int kArguments = 10, kPanoramaArguments = 3;
+  constexpr int kArguments = 11, kPanoramaArguments = 3;
   const bool is_panorama = argc == kPanoramaArguments && std::string_view(argv[1]) == kPanoramaOption;
   if ((argc != kArguments && !is_panorama) || ::fcntl(kImportResult, F_GETFD) < 0 ||
       ::fcntl(kImportDone, F_GETFD) < 0) {
@@ -64,6 +64,7 @@ void serve_import(int argc, char** argv, const ImportFunction& import, const Pan
     settings.animation_index = index(7);
     settings.animation_time = number(8);
     settings.file_lights = number(9) != 0.0f;
+    if (argv[10][0] == kFieldMark) settings.field = argv[10] + 1;
     sent = send_import(kImportResult, catch_bad_alloc([&] { return import(file, settings); }));
   }
   const char byte = 1;

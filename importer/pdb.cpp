@@ -4,10 +4,14 @@
 #include <gemmi/pdb.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "scene/readers/field_columns.h"
 #include "scene/readers/molecule.h"
 #include "scene/readers/read_number.h"
 #include "scene/readers/text_rules.h"
@@ -19,6 +23,10 @@ namespace {
 // Columns of a line, from 0: x, y and z of 8 characters each; from kOld on, programs of before 1996 have an identifier
 // and the number of the line, others segment, element and charge.
 constexpr std::size_t kPosition = 30, kWidth = 8, kOld = 72, kElement = 76, kCharge = 78, kEnd = 80;
+
+/// The values of atoms: chains are numbered in the order of the file, from 1.
+const std::vector<FileColumn> kAtomColumns = {{"b_factor"}, {"occupancy"}, {"charge"},
+                                              {"chain"},    {"residue"},   {"element"}};
 
 /// Atoms whose position is not three numbers in their columns, which Gemmi reads as 0 or as another number.
 struct BadAtoms {
@@ -106,7 +114,7 @@ BadAtoms clean_atoms(std::string& text) {
 
 }  // namespace
 
-Result<Scene> read_pdb(const std::filesystem::path& file) {
+Result<Scene> read_pdb(const std::filesystem::path& file, const std::optional<std::string>& field) {
   auto text = read_whole_file(file);
   if (!text) return text.error();
   text->erase(0, text->size() - without_mark(*text).size());  // columns count
@@ -115,16 +123,30 @@ Result<Scene> read_pdb(const std::filesystem::path& file) {
   if (bad.comma_line > 0) return decimal_commas_error(file.string(), bad.comma_line);
   const gemmi::Structure structure = gemmi::read_pdb_from_memory(text->data(), text->size(), file.string());
   std::vector<Atom> atoms;
+  std::vector<FieldColumns> fields = field_columns(kAtomColumns, field);
+  std::size_t chains = 0;
   if (!structure.models.empty())
-    for (const gemmi::Chain& chain : structure.models[0].chains)
+    for (const gemmi::Chain& chain : structure.models[0].chains) {
+      ++chains;
       for (const gemmi::Residue& residue : chain.first_conformer())
-        for (const gemmi::Atom& atom : residue.first_conformer())
+        for (const gemmi::Atom& atom : residue.first_conformer()) {
           atoms.push_back({{atom.pos.x, atom.pos.y, atom.pos.z}, atom.element.name()});
+          const std::array<double, 6> values = {
+              double(atom.b_iso),
+              double(atom.occ),
+              double(atom.charge),
+              double(chains),
+              residue.seqid.num.has_value() ? double(*residue.seqid.num) : std::nan(""),
+              double(atom.element.atomic_number())};
+          for (FieldColumns& each : fields) each.append([&](std::size_t k) { return values[k]; });
+        }
+    }
   if (atoms.empty() && bad.count > 0)
     return file_error("'{}' has no atom with three numbers in columns 31 to 54{}, first in line {}", file.string(),
                       bad.is_misplaced ? ": its columns are shifted" : "", bad.first_line);
   if (atoms.empty()) return file_error("'{}' has no atoms", file.string());
   Scene scene = scene_of_atoms(atoms, file);
+  for (FieldColumns& each : fields) scene.meshes.at(0).fields.push_back(std::move(each.field));
   if (bad.count > 0)
     scene.warnings.push_back(
         fmt::format("{} of {} atoms have no position of three numbers{} and are left out, first in line {}", bad.count,

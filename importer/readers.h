@@ -17,8 +17,9 @@ namespace umbrage {
 std::optional<Result<Scene>> read_gltf(const std::filesystem::path& file, const ImportSettings& settings);
 
 /// Reads the atoms (ATOM and HETATM) of the first model of a PDB file as spheres, before finish_scene. Of alternate
-/// locations of an atom the first is drawn. Errors: kFile. Throws the exceptions of Gemmi.
-Result<Scene> read_pdb(const std::filesystem::path& file);
+/// locations of an atom the first is drawn. Its B-factor, occupancy, charge, chain, residue and element are fields, of
+/// which `field` chooses as in ImportSettings. Errors: kFile. Throws the exceptions of Gemmi.
+Result<Scene> read_pdb(const std::filesystem::path& file, const std::optional<std::string>& field);
 
 /// Reads the visible meshes of an FBX file of version 7, in its pose, with their materials. Errors: kFile.
 Result<Scene> read_fbx(const std::filesystem::path& file);

@@ -72,7 +72,7 @@ std::string_view type_of(const Option& row) {
   if (row.form == OptionForm::kAngles || row.form == OptionForm::kPair) return "float2";
   constexpr std::array<std::string_view, 11> kTypes = {"",       "bool",   "int",   "float",  "int",   "float",
                                                        "string", "string", "float", "float3", "float3"};
-  static_assert(std::size(kTypes) == std::variant_size_v<Field>);
+  static_assert(std::size(kTypes) == std::variant_size_v<OptionField>);
   return kTypes[row.where.index()];
 }
 

@@ -13,7 +13,8 @@ Look look_hatching() {
           .presets = {"lighting.material=clay", "hatching.material=0.2", "unsharp.strength=12",
                       "composite.mode=multiply", "outline.width=0.2%", "outline.recede=0.8", "outline.inner=0.7",
                       "outline.ids=both", "output.background_r=1", "output.background_g=1", "output.background_b=1"},
-          .lit_by = "lighting"};
+          .lit_by = "lighting",
+          .is_colorless = true};
 }
 
 }  // namespace umbrage

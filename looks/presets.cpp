@@ -33,6 +33,35 @@ const Style* find_style(std::string_view name) {
   return nullptr;
 }
 
+const LookPresets& value_presets() {
+  // All light is white, as renderer/plan makes that of the scene: no light from surface to surface, no highlights, no
+  // tinted shadows. The exposure does not depend on the colours.
+  static const LookPresets presets = {"bitmask.bleeding=0",
+                                      "traced.bleeding=0",
+                                      "hemisphere.bleeding=0",
+                                      "ssdo.bleeding=0",
+                                      "lighting.material=scene",
+                                      "toon.albedo=texture",
+                                      "composite.tint=0",
+                                      "lighting.gloss=0",
+                                      "lighting.specular=0",
+                                      "toon.specular=0",
+                                      "toon.shadow_r=0.2",
+                                      "toon.shadow_g=0.2",
+                                      "toon.shadow_b=0.2",
+                                      "gooch.blue=0",
+                                      "gooch.yellow=0",
+                                      "gooch.alpha=0.45",
+                                      "gooch.beta=1",
+                                      "gooch.values=light",
+                                      "gooch.highlight=0",
+                                      "output.tone=hue",
+                                      "output.metering=none",
+                                      "output.exposure=0",
+                                      "output.transfer=srgb"};
+  return presets;
+}
+
 std::span<const Quality> qualities() {
   // The settings of `bitmask` are on the Pareto front of error and time in effects/bitmask/README.md.
   static const std::vector<Quality> all = {

@@ -22,6 +22,10 @@ std::span<const Style> styles();
 /// Returns the style of that name, or null.
 const Style* find_style(std::string_view name);
 
+/// Returns the settings with which any look shows values as colours: light changes the lightness of a colour, not its
+/// hue, so that it can be read against a colour bar.
+const LookPresets& value_presets();
+
 struct Quality {
   std::string_view name, summary;
   int frames = 1;                  ///< number of samples of a picture that are averaged

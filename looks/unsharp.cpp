@@ -15,7 +15,8 @@ Look look_unsharp() {
                       "unsharp.background=far", "unsharp.white_edge=on", "composite.mode=subtract",
                       "output.transfer=none", "output.pivot=0.46", "output.background_r=0.36",
                       "output.background_g=0.40", "output.background_b=0.45"},
-          .lit_by = "lighting"};
+          .lit_by = "lighting",
+          .value_presets = {"composite.mode=multiply"}};
 }
 
 }  // namespace umbrage

@@ -62,11 +62,20 @@ void neighbours(int first, int size, int& low, int& high) {
 
 /// Converts texture coordinates to fractions of the texture from its top left corner. Takes the fractional part first,
 /// so that large coordinates keep the bits of their fraction.
-glm::vec2 fraction_from_top_left(glm::vec2 uv) { return {fraction_of(uv.x), 1.0f - fraction_of(uv.y)}; }
+glm::vec2 fraction_from_top_left(const MipTexture& texture, glm::vec2 uv) {
+  if (texture.levels[0].clamped) return {uv.x, 1.0f - uv.y};
+  return {fraction_of(uv.x), 1.0f - fraction_of(uv.y)};
+}
+
+/// Returns where a fraction of a side is between the centres of its texels.
+float texel_position(float fraction, int size, bool clamped) {
+  const float x = fraction * float(size) - 0.5f;
+  return clamped ? std::min(std::max(0.0f, x), float(size - 1)) : x;
+}
 
 inline Bilinear bilinear_at(const MipLevel& level, glm::vec2 fraction) {
-  const float x = fraction.x * float(level.width) - 0.5f;
-  const float y = fraction.y * float(level.height) - 0.5f;
+  const float x = texel_position(fraction.x, level.width, level.clamped);
+  const float y = texel_position(fraction.y, level.height, level.clamped);
   Bilinear b;
   const int ix = floor_of(x), iy = floor_of(y);
   neighbours(std::min(ix, level.width - 1), level.width, b.x0, b.x1);
@@ -122,7 +131,7 @@ float log2_of(float x) {
 }
 
 MipLevel half_of(const MipLevel& level, bool linear) {
-  MipLevel half{std::max(level.width / 2, 1), std::max(level.height / 2, 1), {}};
+  MipLevel half{std::max(level.width / 2, 1), std::max(level.height / 2, 1), {}, false, level.clamped};
   half.rgba.resize(std::size_t(half.width) * half.height * 4);
   for (int y = 0; y < half.height; ++y)
     for (int x = 0; x < half.width; ++x) {
@@ -151,7 +160,7 @@ MipLevel half_of(const MipLevel& level, bool linear) {
 
 MipTexture make_mips(const Texture& texture) {
   MipTexture mips{.levels = {}, .linear = texture.linear};
-  mips.levels.push_back({texture.width, texture.height, texture.rgba, texture.nearest});
+  mips.levels.push_back({texture.width, texture.height, texture.rgba, texture.nearest, texture.clamped});
   while (mips.levels.back().width > 1 || mips.levels.back().height > 1)
     mips.levels.push_back(half_of(mips.levels.back(), texture.linear));
   return mips;
@@ -185,7 +194,7 @@ glm::vec4 sample_filtered(const MipTexture& texture, const MipFootprint& f) {
   glm::vec4 sum(0.0f);
   for (int i = 0; i < f.taps; ++i) {
     const glm::vec2 at =
-        fraction_from_top_left(f.taps > 1 ? f.uv + f.axis * ((float(i) + 0.5f) * tap_weight - 0.5f) : f.uv);
+        fraction_from_top_left(texture, f.taps > 1 ? f.uv + f.axis * ((float(i) + 0.5f) * tap_weight - 0.5f) : f.uv);
     for (int level = 0; level < f.level_count; ++level) {
       const MipLevel& texels = texture.levels[std::size_t(f.finer_level + level)];
       const float weight = level == 0 ? tap_weight - tap_weight * f.blend : tap_weight * f.blend;
@@ -204,7 +213,7 @@ glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
 
 float sample_alpha(const MipTexture& texture, glm::vec2 uv) {
   const MipLevel& level = texture.levels[0];
-  const Bilinear b = bilinear_at(level, fraction_from_top_left(uv));
+  const Bilinear b = bilinear_at(level, fraction_from_top_left(texture, uv));
   const auto alpha = [&](int x, int y) { return float(level.rgba[(std::size_t(y) * level.width + x) * 4 + 3]); };
   const float top = alpha(b.x0, b.y0) * (1.0f - b.fx) + alpha(b.x1, b.y0) * b.fx;
   const float bottom = alpha(b.x0, b.y1) * (1.0f - b.fx) + alpha(b.x1, b.y1) * b.fx;

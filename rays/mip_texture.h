@@ -14,6 +14,7 @@ struct MipLevel {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgba;  ///< as in Texture
   bool nearest = false;            ///< the first level of a Texture that is
+  bool clamped = false;            ///< as in Texture
 };
 
 /// A texture with all its levels.
@@ -40,7 +41,7 @@ MipFootprint footprint_of(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
 /// Returns linear colour and alpha, averaged over a footprint on a texture of its size.
 glm::vec4 sample_filtered(const MipTexture& texture, const MipFootprint& footprint);
 
-/// Returns linear colour and alpha at `uv` (repeating), averaged over the footprint. `right` and `down` are the change
+/// Returns linear colour and alpha at `uv`, averaged over the footprint. `right` and `down` are the change
 /// of uv from one pixel to the next one in that direction. Anisotropic filtering: footprint from [Heckbert 1989], taps
 /// as on GPUs.
 glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 right, glm::vec2 down);

@@ -15,6 +15,7 @@ std::string environment_key(const Recipe& recipe) {
   const Hdri& hdri = recipe.hdri;
   std::string key;
   if (recipe.clay) key += fmt::format(" clay {} {} {}", recipe.clay->r, recipe.clay->g, recipe.clay->b);
+  if (recipe.values) key += key_of(*recipe.values);
   if (hdri.lights()) key += fmt::format(" {} {} {}", hdri.file, hdri.rotation_deg, hdri.intensity);
   return key;
 }
@@ -40,7 +41,7 @@ Result<CompletedScene> completed(Scene copy, const Recipe& recipe, long version)
                       .views = {}};
   made.views = made.scene->views;
   if (auto viewed = choose_view(recipe, made); !viewed) return viewed.error();
-  complete_scene(*made.scene, recipe);
+  if (auto done = complete_scene(*made.scene, recipe); !done) return done.error();
   return made;
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "generators/builtin.h"
+#include "scene/fields.h"
 #include "scene/front.h"
 #include "scene/readers/content.h"
 
@@ -66,6 +67,23 @@ void add_reason(const Scene& a, const Scene& b, std::string& reasons) {
           : fmt::format("'{}' is {:.4g} times as large as '{}'{}", larger.name, ratio, smaller.name, units));
 }
 
+/// Returns a scene of the positions and fields of another one.
+Scene with_fields_alone(const Scene& scene) {
+  Scene out;
+  out.name = scene.name;
+  for (const Mesh& mesh : scene.meshes) {
+    out.meshes.emplace_back().positions = mesh.positions;
+    out.meshes.back().fields = mesh.fields;
+  }
+  return out;
+}
+
+/// Returns whether a mesh of the scene has the field.
+bool has_values(const Scene& scene, const std::string& field) {
+  return std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                     [&](const Mesh& mesh) { return find_values(mesh, field) != nullptr; });
+}
+
 /// Prepares scenes to be appended of which one moves: the other is part of its motion and of its start.
 void join_motions(Scene& next, Scene& all) {
   if (next.start || all.start) {
@@ -82,7 +100,15 @@ void join_motions(Scene& next, Scene& all) {
 
 Result<Scene> load_scene(const std::string& model, const ImportSettings& settings, const ProgressMonitor& monitor) {
   if (model.empty()) return usage_error("the name of a model is empty");
-  if (!model.starts_with("scene:")) return import_scene(model, settings, monitor);
+  if (!model.starts_with("scene:")) {
+    auto scene = import_scene(model, settings, monitor);
+    const std::string field = settings.field.value_or("");
+    if (!scene || field.empty() || has_values(*scene, field)) return scene;
+    // With all of its fields, so that an error can name them.
+    ImportSettings all = settings;
+    all.field = "";
+    return import_scene(model, all, monitor);
+  }
   if (auto status = check_scene_index(settings, model, 1); !status) return status.error();
   if (auto status = check_animation_index(settings, model, 0); !status) return status.error();
   if (monitor && !monitor(0.0)) return interrupted();
@@ -143,10 +169,12 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
 }
 
 Result<std::shared_ptr<const Scene>> load_same_view(const std::vector<std::string>& models,
-                                                    const ImportSettings& settings, const Framing* turned) {
+                                                    const ImportSettings& settings, const Framing* turned,
+                                                    const ValueSettings* values) {
   std::shared_ptr<Scene> first;
   std::vector<glm::vec3> around;
   std::string reasons;
+  std::vector<Scene> with_values;
   for (const std::string& model : models) {
     auto scene = load_scene(model, settings);
     if (!scene) return scene.error();
@@ -154,10 +182,18 @@ Result<std::shared_ptr<const Scene>> load_same_view(const std::vector<std::strin
     if (first) add_reason(*first, *scene, reasons);
     const auto points = points_around(*scene);
     around.insert(around.end(), points.begin(), points.end());
+    if (values) with_values.push_back(with_fields_alone(*scene));
     if (!first) first = std::make_shared<Scene>(scene->start ? *scene->start : std::move(*scene));
   }
   set_motion(std::exchange(around, {}), *first);
   first->warnings.clear();
+  if (values) {
+    std::vector<const Scene*> scenes;
+    for (const Scene& each : with_values) scenes.push_back(&each);
+    auto colors = value_colors(*values, scenes, first->warnings);
+    if (!colors) return colors.error();
+    first->value_colors = std::make_shared<const ValueColors>(std::move(*colors));
+  }
   if (!reasons.empty())
     first->warnings.push_back(reasons + "; all are drawn in one view: umbrage thumbnails draws each in its own");
   if (turned) {
@@ -179,6 +215,7 @@ void set_same_view(const std::shared_ptr<const Scene>& first, Scene& scene) {
   scene.has_front = first->has_front;
   scene.views = first->views;
   scene.cameras = first->cameras;
+  scene.value_colors = first->value_colors;
   scene.start = first;
 }
 

@@ -8,6 +8,7 @@
 #include "scene/framing.h"
 #include "scene/readers/import.h"
 #include "scene/scene.h"
+#include "scene/value_colors.h"
 
 namespace umbrage {
 
@@ -27,10 +28,12 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
 
 /// Returns what several models that are drawn alone have in common, as the poses of an animation have: the first model,
 /// with Scene::motion around all of them, and a warning if they differ much. `turned`: the framing of a turntable,
-/// whose motion is around all frames; null: no turntable. Errors: those of load_scene.
+/// whose motion is around all frames; null: no turntable. `values`: what they show as colours, with one range; null:
+/// nothing. Errors: those of load_scene and value_colors.
 Result<std::shared_ptr<const Scene>> load_same_view(const std::vector<std::string>& models,
-                                                    const ImportSettings& settings, const Framing* turned = nullptr);
-/// Gives one of these models the directions, views and bounds of all, and the exposure of the first.
+                                                    const ImportSettings& settings, const Framing* turned = nullptr,
+                                                    const ValueSettings* values = nullptr);
+/// Gives one of these models the directions, views, bounds and range of values of all, and the exposure of the first.
 void set_same_view(const std::shared_ptr<const Scene>& first, Scene& scene);
 
 /// Makes a camera the scene's only view. `index`: counts the cameras of the file, or for a scene without cameras the

@@ -34,7 +34,7 @@ auto& in_gbuffer(Request& request) {
 
 /// Returns an option; the functions after it add what its values can be.
 inline Option row(std::string_view group, unsigned commands, std::string_view field, std::string_view option,
-                  std::string_view help, std::string_view initial, Field where) {
+                  std::string_view help, std::string_view initial, OptionField where) {
   return {.field = field,
           .option = option,
           .group = group,

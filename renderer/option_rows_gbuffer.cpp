@@ -12,7 +12,7 @@ Option file_option(std::string_view field, std::string_view option, std::string_
 }
 
 Option row(std::string_view field, std::string_view option, std::string_view help, std::string_view initial,
-           Field where) {
+           OptionField where) {
   return row("G-buffer", kShade | kInfo, field, option, help, initial, where);
 }
 

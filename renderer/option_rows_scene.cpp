@@ -2,12 +2,14 @@
 #include "core/device.h"
 #include "looks/presets.h"
 #include "renderer/option_rows.h"
+#include "scene/color_maps.h"
 
 namespace umbrage {
 namespace {
 
 // Of cameras, scenes and animations; the true limits are known when the file has been read.
 constexpr double kMaxIndex = 1e9, kMaxTime = 1e6;
+constexpr double kMaxBands = 256.0;
 
 std::vector<std::string_view> quality_names() { return names_of(qualities()); }
 
@@ -46,6 +48,32 @@ std::vector<Option> scene_options() {
                        "lights of a glTF file: studio (the look's lights in their place) or file", "studio",
                        in<&Request::lights>),
                    {"studio", "file"}),
+      row("Values", kRender, "color_by", "color-by",
+          "show a field of the file's values as colours, by its name: see umbrage info",
+          "none: the model's own colours", in<&Request::color_by>),
+      row("Values", kRender, "color_component", "component", "component of vectors: a number from 0, or x, y or z",
+          "the length of vectors", in<&Request::color_component>),
+      {.field = "color_map",
+       .option = "color-map",
+       .group = "Values",
+       .help = "colour map by its name, reversed with _r: viridis_r; or a file with a colour per line",
+       .initial = "viridis",
+       .where = in<&Request::color_map>,
+       .names = color_map_names},
+      with_form(row("Values", kRender, "color_range", "color-range",
+                    "values low,high at the ends of the colour map; others get the colours of the ends",
+                    "the range of the values", in<&Request::color_range>),
+                OptionForm::kPair),
+      with_choices(row("Values", kRender, "color_scale", "color-scale",
+                       "how values become colours: linear, log, or symlog (logarithmic on both sides of 0)", "linear",
+                       in<&Request::color_scale>),
+                   {"linear", "log", "symlog"}),
+      with_range(row("Values", kRender, "color_bands", "color-bands", "number of equal intervals, each of one colour",
+                     "none: colours change steadily", in<&Request::color_bands>),
+                 1.0, kMaxBands),
+      with_form(row("Values", kRender, "missing_color", "missing-color",
+                    "colour of what has no value, or one that is not finite", "#b3a79a", in<&Request::missing_color>),
+                OptionForm::kColor),
       with_range(row("Camera", kSceneCommands, "camera.index", "camera-index",
                      "number of a camera in the file, counted from 0: see umbrage info", "none",
                      in_camera<&CameraSettings::index>),

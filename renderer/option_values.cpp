@@ -272,6 +272,10 @@ Result<void> check_combinations(const Request& r) {
   if (r.color && r.material == "file")
     return with_field(field_error("color", "", "`{}` needs `material` clay: the colours of the file are its own"),
                       "material", r.material);
+  if (!r.color_by.empty() && (r.color || r.material == "clay"))
+    return conflict("color_by", r.color ? "color" : "material",
+                    r.color ? "both give the model its colour: give one of them"
+                            : "clay: both give the model its colour; leave out `material`");
   if (r.hdri_skybox && r.hdri_file.empty())
     return field_error("hdri_skybox", true, "`{}` needs an image: `hdri_file` FILE, or `hdri_file` sky:");
   if (r.hdri_skybox && r.transparent)

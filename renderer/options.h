@@ -24,7 +24,7 @@ template <class T>
 using FieldOf = T& (*)(Request&);
 using Vector3 = std::array<float, 3>;
 using Position = std::array<double, 3>;
-using Field =
+using OptionField =
     std::variant<std::monostate, FieldOf<bool>, FieldOf<int>, FieldOf<float>, FieldOf<std::optional<int>>,
                  FieldOf<std::optional<float>>, FieldOf<std::string>, FieldOf<std::vector<std::string>>,
                  FieldOf<std::vector<float>>, FieldOf<std::optional<Vector3>>, FieldOf<std::optional<Position>>>;
@@ -62,7 +62,7 @@ struct Option {
   std::string_view option;  ///< name on a command line, without dashes: "camera-zoom-factor"; empty: none
   std::string_view group, help;
   std::string_view initial;  ///< default as shown in help; empty: not shown
-  Field where;               ///< empty: the option belongs to the command line or the process, not to Request
+  OptionField where;         ///< empty: the option belongs to the command line or the process, not to Request
   unsigned commands = kRender;
   double min = 0.0, max = 0.0;  ///< inclusive range of numbers
   OptionForm form = OptionForm::kPlain;

@@ -90,6 +90,20 @@ void widen_key_light(float angle_deg, const Scene& scene, Lighting& lighting) {
   key.radius = glm::distance(key.position, scene.center()) * std::tan(glm::radians(0.5f * angle_deg));
 }
 
+/// Makes light white of the same luminance.
+glm::vec3 whitened(const glm::vec3& color) {
+  return glm::vec3(glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f)));  // Rec.709
+}
+
+/// Makes all light white, so that it does not change the hue of values that are shown as colours.
+void whiten(Lighting& lighting) {
+  for (Light& light : lighting.lights) light.color = whitened(light.color);
+  lighting.ambient = whitened(lighting.ambient);
+  auto& [red, green, blue] = lighting.ambient_shape.by_color;
+  red = green = blue = 0.2126f * red + 0.7152f * green + 0.0722f * blue;
+  lighting.reflections = nullptr;
+}
+
 /// Leaves only the alpha of a texture.
 void make_white(Texture& texture) {
   for (std::size_t k = 0; k < texture.rgba.size(); k += 4) std::fill_n(&texture.rgba[k], 3, std::uint8_t(255));
@@ -225,15 +239,19 @@ void adjust_lights(const Recipe& recipe, const Camera& camera, bool of_studio, s
   for (std::size_t k = 0; k < count; ++k) lights[k].color *= recipe.light_factors[k];
 }
 
-void complete_scene(Scene& scene, const Recipe& recipe) {
+Result<void> complete_scene(Scene& scene, const Recipe& recipe) {
   if (scene.start) {
     auto start = std::make_shared<Scene>(*scene.start);
-    complete_scene(*start, recipe);
+    if (auto completed = complete_scene(*start, recipe); !completed) return completed;
+    scene.value_colors = start->value_colors;  // one range for all times
     scene.start = std::move(start);
   }
+  if (recipe.values)
+    if (auto shown = show_values(*recipe.values, scene); !shown) return shown;
   if (recipe.clay) make_clay(*recipe.clay, scene);
   if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up, has_roughness(scene)), scene);
   if (needs_ground(scene, recipe)) add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
+  return {};
 }
 
 namespace {
@@ -256,6 +274,7 @@ Result<Plan> plan_of_view(const Recipe& recipe, const Scene& scene, int threads,
     adjust_lights(recipe, plan.camera, lacks_lights && plan.lit_from_camera && recipe.look->studio_lights,
                   plan.lighting().lights);
   }
+  if (scene.value_colors) whiten(plan.lighting());
   meter_indoors(scene, plan);
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());
   if (auto measured = resolve_lengths(scene, plan); !measured) return measured.error();
@@ -332,6 +351,7 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
   plan.camera = turned_around(first.camera, center, scene.up, angle_deg);
   if (recipe.hdri.lights()) {
     plan.lighting() = image_lighting(recipe.hdri, scene.up, first.lighting().reflections != nullptr);
+    if (scene.value_colors) whiten(plan.lighting());
     adjust_lights(recipe, plan.camera, false, plan.lighting().lights);
   } else if (plan.lit_from_camera) {
     const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), glm::radians(angle_deg), glm::normalize(scene.up)));

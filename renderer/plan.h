@@ -60,7 +60,7 @@ bool needs_ground(const Scene& scene, const Recipe& recipe);
 
 /// Adds to a scene what the picture needs besides the model: the ground, and the light of the environment image, which
 /// replaces the scene's lights. Call it before Device::prepare.
-void complete_scene(Scene& scene, const Recipe& recipe);
+Result<void> complete_scene(Scene& scene, const Recipe& recipe);
 
 /// Plans a scene that `complete_scene` has completed. Uses the lighting of recipe.capture if it has one. Missing lights
 /// are placed using `threads` threads; 0: all. Errors: kUsage; kInterrupted.

@@ -6,6 +6,7 @@
 
 #include "core/check.h"
 #include "core/color.h"
+#include "core/numbers.h"
 #include "core/suggest.h"
 #include "effects/antialias/antialias.h"
 #include "effects/ground/ground.h"
@@ -124,6 +125,37 @@ Error unknown_word(std::string_view field, const std::string& word) {
   return field_error(field, word, "`{}` cannot be '{}'{}", suggestion(word, words_of(option_of(field))));
 }
 
+/// Returns how the values of a request's field become colours. Errors: kUsage; kFile for a file of colours.
+Result<ValueSettings> value_settings(const Request& request) {
+  constexpr std::array<float, 3> kMissingColor = {0.70f, 0.655f, 0.604f};  // a warm grey that no built-in map has
+  ValueSettings values{.field = request.color_by};
+  const std::string& component = request.color_component;
+  if (!component.empty()) {
+    const auto axis = component.size() == 1 ? std::string_view("xyz").find(component[0]) : std::string_view::npos;
+    constexpr double kMaxComponent = 1e6;
+    const auto number = parse_number(component, {0.0, kMaxComponent, NumberKind::kInteger});
+    if (axis == std::string_view::npos && !number)
+      return field_error("color_component", component, "`{}` cannot be '{}': it takes x, y, z or a number from 0");
+    values.component = axis != std::string_view::npos ? int(axis) : int(*number);
+  }
+  auto map = color_map(request.color_map);
+  if (!map) return map.error();
+  values.map = std::move(*map);
+  values.scale = ValueColors::Scale(choice_index("color_scale", request.color_scale));
+  values.bands = request.color_bands.value_or(0);
+  values.missing = request.missing_color.value_or(kMissingColor);
+  if (request.color_range.empty()) return values;
+  const float low = request.color_range[0], high = request.color_range[1];
+  const auto given = fmt::format("{:g},{:g}", low, high);
+  if (!(low < high) || !std::isfinite(high - low))
+    return field_error("color_range", given, "`{}` cannot be '{}': it takes low,high with low below high");
+  if (values.scale == ValueColors::Scale::kLog && !(low > 0.0f))
+    return with_field(field_error("color_range", given, "`{}` cannot be '{}' with `color_scale` log: both are above 0"),
+                      "color_scale", request.color_scale);
+  values.range = {low, high};
+  return values;
+}
+
 /// Returns the look of a request. Errors: kUsage.
 Result<const Look*> requested_look(const Request& request) {
   auto look = require_named("look", looks(), request.look.empty() ? kDefaultLook : std::string_view(request.look));
@@ -160,6 +192,11 @@ Result<void> resolve_names(const Request& request, bool of_model, Recipe& recipe
     return field_error("ground", request.ground,
                        "`{}` {} requires a look that shows the ground only by its shadow, such as studio, not '{}'",
                        recipe.look->name);
+  if (!request.color_by.empty() && recipe.look->is_colorless)
+    return with_field(field_error("color_by", request.color_by,
+                                  "`{}` '{}': the `look` {} shows no colours; take another, such as studio or cartoon",
+                                  recipe.look->name),
+                      "look", request.look);
   if (!request.style.empty() && !find_style(request.style)) return unknown_word("style", request.style);
   if (!request.quality.empty() && !find_quality(request.quality)) return unknown_word("quality", request.quality);
   return {};
@@ -250,6 +287,7 @@ Result<ImportSettings> import_settings(const Request& request) {
   if (request.animation_time && !request.animation_index) settings.animation_index = 0;
   settings.animation_time = request.animation_time.value_or(0.0f);
   settings.file_lights = request.lights == "file";
+  if (!request.color_by.empty()) settings.field = request.color_by;
   if (!request.point_size.empty()) settings.points.size = *parse_length("point_size", request.point_size);
   settings.points.shape = PointShape(choice_index("point_sprites", request.point_sprites));
   if (request.crease_angle_deg) settings.crease_angle_deg = *request.crease_angle_deg;
@@ -353,7 +391,12 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_m
   recipe.light_factors = {request.key, request.fill, request.rim};
   if (!request.light_direction.empty() && !is_lit_by_image(request))
     recipe.framing.light_deg = glm::vec2(request.light_direction[0], request.light_direction[1]);
-  recipe.clay = clay_of(request);
+  if (!request.color_by.empty()) {
+    auto values = value_settings(request);
+    if (!values) return values.error();
+    recipe.values = std::move(*values);
+  }
+  recipe.clay = recipe.values ? std::nullopt : clay_of(request);
   recipe.settings = look_settings(look, external_effects());
   // The average of several pictures has smooth edges already, and `anti_aliasing` 1 asks for pixels as they are.
   if (recipe.frames > 1 || request.anti_aliasing) params_of<AntialiasParams>(recipe.settings).search = 0;
@@ -362,6 +405,10 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_m
     apply_presets(quality->name, averages_occlusion ? quality->settings_of_averaged : quality->settings,
                   recipe.settings);
   apply_environment(request, recipe);
+  if (recipe.values) {
+    apply_presets(look.name, value_presets(), recipe.settings);
+    apply_presets(look.name, look.value_presets, recipe.settings);
+  }
   // The reference computes indirect light, too, if the look's technique does, unless the request sets it.
   if (recipe.occlusion == reference_effect().name && computes_indirect_light(look, recipe.settings))
     as<ReferenceParams>(params_of(recipe.settings, recipe.occlusion)).light = kReferenceBounce;

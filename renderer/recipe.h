@@ -17,6 +17,7 @@
 #include "renderer/request.h"
 #include "scene/framing.h"
 #include "scene/readers/import.h"
+#include "scene/value_colors.h"
 
 namespace umbrage {
 
@@ -48,6 +49,7 @@ struct Recipe {
   Hdri hdri;
   std::optional<float> light_size_deg;                   ///< angular diameter of the key light; empty: unchanged
   std::array<float, 3> light_factors{1.0f, 1.0f, 1.0f};  ///< for the key, the fill and the rim light
+  std::optional<ValueSettings> values;                   ///< shown as colours
   std::optional<glm::vec3> clay;                         ///< linear albedo of the whole model; empty: its materials
   CaptureSettings capture;                               ///< for one sample
   std::vector<std::string> passes;                       ///< requested passes, by the names of renderer/passes.h

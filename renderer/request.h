@@ -61,8 +61,16 @@ struct Request {
   /// 0 to 180: edges with a larger angle stay sharp where normals are generated; default: chosen per mesh.
   std::optional<float> crease_angle_deg{};
   std::string point_size{};  ///< size of a file's points: "0.01" scene units, or "0.5%"; empty: from their spacing
-  std::string point_sprites = "auto";  ///< shape of a file's points: "auto", "disc", "sphere"
-  std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: set by the look
+  std::string color_by{};    ///< name of the field of values whose colours the model gets; empty: its own colours
+  /// Component of a field of vectors, from 0, or "x", "y", "z"; empty: the length of vectors.
+  std::string color_component{};
+  std::string color_map = "viridis";   ///< a colour map of scene/color_maps.h, or a file of colours
+  std::vector<float> color_range{};    ///< values at the ends of the colour map; empty: those of the field
+  std::string color_scale = "linear";  ///< "linear", "log", "symlog"
+  std::optional<int> color_bands{};    ///< number of equal intervals of one colour each, 1 to 256; default: none
+  std::optional<std::array<float, 3>> missing_color{};  ///< of what has no value, display values 0 to 1
+  std::string point_sprites = "auto";                   ///< shape of a file's points: "auto", "disc", "sphere"
+  std::string quality{};                                ///< "draft", "normal", "high", "ultra"; empty: set by the look
   std::optional<int> anti_aliasing{};  ///< averaged pictures, 1 to 256; default: set by the quality or look
   /// "0.3" scene units, or "5%" of the bounding-sphere radius; empty: set by the technique.
   std::string occlusion_radius{};

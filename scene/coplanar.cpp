@@ -13,6 +13,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "scene/fields.h"
 #include "scene/mesh_corners.h"
 #include "scene/strays.h"
 
@@ -281,6 +282,7 @@ void add_moved_face(const Mesh& from, Index face, const glm::vec3& offset, Mesh&
     to.normals.push_back(from.normals[v]);
     if (!from.uvs.empty()) to.uvs.push_back(from.uvs[v]);
     if (!from.colors.empty()) to.colors.push_back(from.colors[v]);
+    append_vertex_values(from, v, to);
   }
 }
 

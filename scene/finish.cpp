@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "core/lists.h"
+#include "scene/fields.h"
 #include "scene/mesh_corners.h"
 #include "scene/strays.h"
 
@@ -40,8 +41,10 @@ bool is_drawable(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
 void compact(Mesh& mesh, const std::vector<std::uint8_t>& used) {
   std::vector<Index> number_of(used.size(), kNoIndex32);
   Index count = 0;
+  std::vector<Index> kept;
   for (Index v = 0; v < used.size(); ++v) {
     if (!used[v]) continue;
+    if (!mesh.fields.empty()) kept.push_back(v);
     mesh.positions[count] = mesh.positions[v];
     if (!mesh.normals.empty()) mesh.normals[count] = mesh.normals[v];
     if (!mesh.uvs.empty()) mesh.uvs[count] = mesh.uvs[v];
@@ -52,6 +55,8 @@ void compact(Mesh& mesh, const std::vector<std::uint8_t>& used) {
   if (!mesh.normals.empty()) mesh.normals.resize(count);
   if (!mesh.uvs.empty()) mesh.uvs.resize(count);
   if (!mesh.colors.empty()) mesh.colors.resize(count);
+  for (Field& field : mesh.fields)
+    if (!field.on_triangles) gather_values(kept, field);
   for (Index& index : mesh.indices) index = number_of[index];
 }
 
@@ -60,12 +65,14 @@ std::size_t clean_triangles(Mesh& mesh) {
   const std::size_t before = (mesh.indices.size() + 2) / 3;
   std::vector<std::uint8_t> used(mesh.positions.size(), 0);
   std::size_t kept = 0;
+  std::vector<Index> kept_triangles;
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
     const Index a = mesh.indices[i], b = mesh.indices[i + 1], c = mesh.indices[i + 2];
     if (std::max({a, b, c}) >= mesh.positions.size()) continue;
     const glm::vec3 &p = mesh.positions[a], &q = mesh.positions[b], &r = mesh.positions[c];
     if (!is_drawable(p, q, r)) continue;
     if (!mesh.smoothing.empty()) mesh.smoothing[kept / 3] = mesh.smoothing[i / 3];
+    if (!mesh.fields.empty()) kept_triangles.push_back(Index(i / 3));
     mesh.indices[kept++] = a;
     mesh.indices[kept++] = b;
     mesh.indices[kept++] = c;
@@ -73,6 +80,8 @@ std::size_t clean_triangles(Mesh& mesh) {
   }
   mesh.indices.resize(kept);
   if (!mesh.smoothing.empty()) mesh.smoothing.resize(kept / 3);
+  for (Field& field : mesh.fields)
+    if (field.on_triangles) gather_values(kept_triangles, field);
   if (contains(used, 0)) compact(mesh, used);
   return before - kept / 3;
 }
@@ -196,6 +205,7 @@ std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg, co
     if (mesh.radii.size() != mesh.positions.size()) mesh.radii.clear();
     if (mesh.bends.size() != mesh.positions.size()) mesh.bends.clear();
     if (mesh.smoothing.size() != mesh.indices.size() / 3) mesh.smoothing.clear();
+    drop_incomplete_fields(mesh);
     for (glm::vec3& color : mesh.colors) {
       for (int c = 0; c < 3; ++c) color[c] = color[c] >= 0.0f ? std::min(color[c], 1.0f) : 0.0f;
     }
@@ -210,6 +220,7 @@ std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg, co
     if (mesh.normals.empty() || !repair_normals(mesh)) make_normals(mesh, crease_angle_deg, poll);
     if (poll && poll->ended()) return dropped;
     mesh.smoothing = {};
+    spread_triangle_values(mesh);
     for (glm::vec2& uv : mesh.uvs) {
       if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = glm::vec2(0.0f);
     }

@@ -53,6 +53,25 @@ bool same(const glm::vec2& a, const glm::vec2& b) {
   return bits_of(a.x) == bits_of(b.x) && bits_of(a.y) == bits_of(b.y);
 }
 
+/// Compare the values of two vertices, and compute their hash. Fields on triangles do not matter.
+std::uint64_t hash_of_values(const Mesh& mesh, Index vertex) {
+  std::uint64_t hash = 0;
+  for (const Field& field : mesh.fields)
+    for (int c = 0; c < field.components && !field.on_triangles; ++c)
+      hash = mix_bits(hash + bits_of(field.values[vertex * std::size_t(field.components) + std::size_t(c)]));
+  return hash;
+}
+bool same_values(const Mesh& mesh, Index a, Index b) {
+  for (const Field& field : mesh.fields)
+    for (int c = 0; c < field.components && !field.on_triangles; ++c) {
+      const auto at = [&](Index v) {
+        return bits_of(field.values[v * std::size_t(field.components) + std::size_t(c)]);
+      };
+      if (at(a) != at(b)) return false;
+    }
+  return true;
+}
+
 }  // namespace
 
 Face face_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
@@ -73,23 +92,24 @@ Face face_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
 
 JoinedVertices joined_vertices(const Mesh& mesh) {
   const std::vector<glm::vec3>& positions = mesh.positions;
-  const bool uvs = has_uvs(mesh), colors = has_colors(mesh);
+  const bool uvs = has_uvs(mesh), colors = has_colors(mesh), values = !mesh.fields.empty();
   JoinedVertices result;
   result.point_of = number_items(
       positions.size(), result.point_count, [&](Index i) { return hash_of(positions[i]); },
       [&](Index i, Index j) { return same(positions[i], positions[j]); });
   result.vertex_count = result.point_count;
-  if (!uvs && !colors) return result;
+  if (!uvs && !colors && !values) return result;
   const std::vector<Index>& point_of = result.point_of;
   result.joined = number_items(
       positions.size(), result.vertex_count,
       [&](Index i) {
-        const std::uint64_t hash = uvs ? mix_bits(hash_of(mesh.uvs[i]) + point_of[i]) : point_of[i];
+        const std::uint64_t base = values ? mix_bits(hash_of_values(mesh, i) + point_of[i]) : point_of[i];
+        const std::uint64_t hash = uvs ? mix_bits(hash_of(mesh.uvs[i]) + base) : base;
         return colors ? mix_bits(hash_of(mesh.colors[i]) + hash) : hash;
       },
       [&](Index i, Index j) {
         return point_of[i] == point_of[j] && (!uvs || same(mesh.uvs[i], mesh.uvs[j])) &&
-               (!colors || same(mesh.colors[i], mesh.colors[j]));
+               (!colors || same(mesh.colors[i], mesh.colors[j])) && (!values || same_values(mesh, i, j));
       });
   return result;
 }

@@ -28,7 +28,7 @@ Face face_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
 std::vector<Face> faces_of(const Mesh& mesh);
 
 /// Vertices grouped by equality. Vertices at equal positions are one point. Those that also have equal texture
-/// coordinates and colours can become one vertex.
+/// coordinates, colours and values of fields can become one vertex.
 struct JoinedVertices {
   std::vector<MeshIndex> point_of, joined;  ///< joined: empty if each point can become one vertex
   MeshIndex point_count = 0, vertex_count = 0;

@@ -22,6 +22,7 @@
 #include "core/eigen.h"
 #include "core/lists.h"
 #include "core/parameters.h"
+#include "scene/fields.h"
 #include "scene/finish.h"
 
 namespace umbrage {
@@ -312,6 +313,9 @@ std::size_t clean_points(Mesh& mesh) {
   reorder(mesh.normals, order);
   reorder(mesh.colors, order);
   reorder(mesh.radii, order);
+  std::vector<std::uint32_t> kept(mesh.fields.empty() ? 0 : order.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = order[i].index;
+  for (Field& field : mesh.fields) gather_values(kept, field);
   mesh.positions.resize(order.size());
   mesh.uvs.clear();
   mesh.indices.clear();

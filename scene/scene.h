@@ -23,6 +23,7 @@ struct Texture {
   std::vector<std::uint8_t> rgba;  ///< width * height * 4
   bool linear = false;             ///< the colour channels hold linear values
   bool nearest = false;            ///< texels have sharp edges where they are larger than a pixel
+  bool clamped = false;            ///< beyond its borders the texture has their colours; else it repeats
 };
 
 inline constexpr int kNoTexture = -1;

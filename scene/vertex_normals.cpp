@@ -11,6 +11,7 @@
 
 #include "core/check.h"
 #include "scene/crease_angle.h"
+#include "scene/fields.h"
 #include "scene/finish.h"
 #include "scene/mesh_corners.h"
 
@@ -111,6 +112,7 @@ class VertexMaker {
   VertexMaker(const Mesh& mesh, const std::vector<Face>& faces, const JoinedVertices& vertices)
       : mesh_(mesh), faces_(faces), vertex_of_(vertices.vertex_of()), uvs_(has_uvs(mesh)), colors_(has_colors(mesh)) {
     latest_.resize(vertices.vertex_count);
+    new_mesh_.fields = empty_fields(mesh);
     new_mesh_.indices.resize(mesh.indices.size());
     new_mesh_.positions.reserve(vertices.vertex_count);
     new_mesh_.normals.reserve(vertices.vertex_count);
@@ -129,13 +131,14 @@ class VertexMaker {
         new_mesh_.normals.push_back(normal);
         if (uvs_) new_mesh_.uvs.push_back(mesh_.uvs[old]);
         if (colors_) new_mesh_.colors.push_back(mesh_.colors[old]);
+        append_vertex_values(mesh_, old, new_mesh_);
       }
       new_mesh_.indices[corner] = latest.vertex;
     }
     ++group_number_;
   }
 
-  /// Returns a mesh of positions, normals, texture coordinates, colours and indices.
+  /// Returns a mesh of positions, normals, texture coordinates, colours, fields on positions and indices.
   Mesh take() { return std::move(new_mesh_); }
 
  private:
@@ -234,6 +237,8 @@ void make_normals(Mesh& mesh, std::optional<float> crease_angle_deg, Poll* poll)
   mesh.normals = std::move(result.normals);
   mesh.uvs = std::move(result.uvs);
   mesh.colors = std::move(result.colors);
+  for (std::size_t f = 0; f < mesh.fields.size(); ++f)
+    if (!mesh.fields[f].on_triangles) mesh.fields[f] = std::move(result.fields[f]);
   mesh.indices = std::move(result.indices);
 }
 

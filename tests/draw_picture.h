@@ -17,7 +17,7 @@ struct DrawnPicture {
 
 /// Draws a scene as `complete_scene` leaves it for the request, and expects that this succeeds.
 inline DrawnPicture drawn_picture(Scene scene, const Request& request, const std::vector<std::string>& planes) {
-  complete_scene(scene, *make_recipe(request));
+  EXPECT_TRUE(complete_scene(scene, *make_recipe(request)));
   const auto device = make_cpu_device();
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;

@@ -267,7 +267,12 @@ Result<void> render_scene(const RenderOptions& o, RenderJob& job, const std::sha
   const std::size_t meshes = scene->meshes.size();
   const std::string size = size_text(*scene);
   line->show("preparing " + scene->name);
-  complete_scene(*scene, job.recipe);
+  const std::size_t printed = scene->warnings.size();
+  if (auto done = complete_scene(*scene, job.recipe); !done) return done;
+  for (std::size_t k = printed; k < scene->warnings.size(); ++k) {
+    line->wipe();
+    print_warning(scene->warnings[k]);
+  }
   const auto plan = make_plan(job.recipe, *scene, device->threads());
   if (!plan) return plan.error();
   const auto strips = planned_strips(o, job, *plan, device);
@@ -318,7 +323,8 @@ Result<void> render(const RenderOptions& o) {
   if (!device) return device.error();
   std::shared_ptr<const Scene> same_view;
   if (o.same_view) {
-    auto loaded = load_same_view(o.models, jobs[0].model_import, o.turntable > 0 ? &jobs[0].recipe.framing : nullptr);
+    auto loaded = load_same_view(o.models, jobs[0].model_import, o.turntable > 0 ? &jobs[0].recipe.framing : nullptr,
+                                 jobs[0].recipe.values ? &*jobs[0].recipe.values : nullptr);
     if (!loaded) return loaded.error();
     same_view = std::move(*loaded);
     for (const std::string& warning : same_view->warnings) print_warning(warning);
@@ -337,7 +343,7 @@ Result<void> render(const RenderOptions& o) {
 
 void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   const auto [command, options] = add_model_command(app, run, "render", "draw a model to a file", kRender, render);
-  for (const char* group : {"Technique", "Picture", "Light"}) add_group(*command, *options, kRender, group);
+  for (const char* group : {"Values", "Technique", "Picture", "Light"}) add_group(*command, *options, kRender, group);
   constexpr double kMinTime_s = 0.001, kMaxTime_s = 7.0 * 24.0 * 3600.0;
   add_number(*command, "--time", options->time_s, {kMinTime_s, kMaxTime_s},
              "seconds for drawing: adds pictures to the average while they fit", "none")

@@ -169,7 +169,7 @@ Result<MovingFrame> animated_frame(const RenderOptions& o, const RenderJob& job,
     if (auto used = use_camera(*job.recipe.camera_index, *loaded); !used) return used.error();
   Recipe recipe = job.recipe;
   if (loaded->lights.empty()) recipe.capture.lighting = lighting;
-  complete_scene(*loaded, recipe);
+  if (auto done = complete_scene(*loaded, recipe); !done) return done.error();
   const auto scene = std::make_shared<const Scene>(std::move(*loaded));
   auto plan = make_plan(recipe, *scene, threads);
   if (!plan) return plan.error();

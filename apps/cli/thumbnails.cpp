@@ -108,7 +108,7 @@ Result<void> make(const Thumbnail& one, const ThumbnailOptions& o, const Recipe&
                   const ImportSettings& import_with, Device& device, std::mutex& drawing) {
   auto scene = load_scene(one.model, import_with);
   if (!scene) return scene.error();
-  complete_scene(*scene, recipe);
+  if (auto done = complete_scene(*scene, recipe); !done) return done.error();
   if (auto made = make_folder(one.file.parent_path()); !made) return made;
   const std::lock_guard lock(drawing);
   const ScopedPlanePool kept(device.pool());

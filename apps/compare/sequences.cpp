@@ -272,7 +272,7 @@ struct SequenceRun {
     const auto of_truth = truth_of(draw, *recipe, settings.samples / 2);
     if (!of_truth) return of_truth.error();
     Scene scene = model_scene;
-    complete_scene(scene, *recipe);
+    if (auto done = complete_scene(scene, *recipe); !done) return done.error();
     if (auto ready = device.prepare(scene); !ready) return ready;
     auto plan = make_plan(*recipe, scene, device.threads()), truth_plan = make_plan(*of_truth, scene, device.threads());
     if (!plan) return plan.error();

@@ -106,6 +106,7 @@ struct CaptureTexture {
 struct CaptureLevel {
   int first_texel, width, height;
   int nearest;  // 1: texels have sharp edges
+  int clamped;  // 1: as in Texture
 };
 
 #endif

@@ -40,12 +40,15 @@ vec4 texel(CaptureLevel level, bool linear, int x, int y) {
 
 float fraction_of(float x) { return abs(x) < 8388608.0f ? x - floor(x) : 0.0f; }
 
-vec2 wrapped(vec2 uv) { return vec2(fraction_of(uv.x), 1.0f - fraction_of(uv.y)); }
+vec2 wrapped(CaptureLevel level, vec2 uv) {
+  return level.clamped != 0 ? vec2(uv.x, 1.0f - uv.y) : vec2(fraction_of(uv.x), 1.0f - fraction_of(uv.y));
+}
 
 // Returns the two texels next to a coordinate along one side of a texture. `between`: its position between their
 // centres, from 0 to 1.
-void neighbours(float coordinate, int size, out int low, out int high, out float between) {
+void neighbours(float coordinate, int size, bool clamped, out int low, out int high, out float between) {
   float x = coordinate * float(size) - 0.5f;
+  if (clamped) x = min(max(0.0f, x), float(size - 1));
   float whole = floor(x);
   between = x - whole;
   low = min(int(whole), size - 1);
@@ -56,8 +59,8 @@ void neighbours(float coordinate, int size, out int low, out int high, out float
 vec4 bilinear(CaptureLevel level, bool linear, vec2 coordinate) {
   int x0, x1, y0, y1;
   float fx, fy;
-  neighbours(coordinate.x, level.width, x0, x1, fx);
-  neighbours(coordinate.y, level.height, y0, y1, fy);
+  neighbours(coordinate.x, level.width, level.clamped != 0, x0, x1, fx);
+  neighbours(coordinate.y, level.height, level.clamped != 0, y0, y1, fy);
   if (level.nearest != 0) fx = step(0.5f, fx), fy = step(0.5f, fy);
   return mix(mix(texel(level, linear, x0, y0), texel(level, linear, x1, y0), fx),
              mix(texel(level, linear, x0, y1), texel(level, linear, x1, y1), fx), fy);
@@ -83,7 +86,8 @@ vec4 sample_filtered(int index, vec2 uv, vec2 right, vec2 down) {
   bool linear = image.linear != 0;
   vec4 sum = vec4(0.0f);
   for (int i = 0; i < taps; ++i) {
-    vec2 at = wrapped(taps > 1 ? uv + axis * ((float(i) + 0.5f) / float(taps) - 0.5f) : uv);
+    vec2 at = wrapped(levels.at[image.first_level],
+                      taps > 1 ? uv + axis * ((float(i) + 0.5f) / float(taps) - 0.5f) : uv);
     vec4 color = bilinear(levels.at[image.first_level + fine], linear, at);
     if (blend > 0.0f) color = mix(color, bilinear(levels.at[image.first_level + fine + 1], linear, at), blend);
     sum += color;
@@ -94,7 +98,8 @@ vec4 sample_filtered(int index, vec2 uv, vec2 right, vec2 down) {
 // Returns the bilinear alpha of the finest level.
 float sample_alpha(int index, vec2 uv) {
   CaptureTexture image = Textures(table[kTexturesSlot]).at[index];
-  return bilinear(Levels(table[kLevelsSlot]).at[image.first_level], image.linear != 0, wrapped(uv)).a;
+  CaptureLevel level = Levels(table[kLevelsSlot]).at[image.first_level];
+  return bilinear(level, image.linear != 0, wrapped(level, uv)).a;
 }
 
 // ---- triangles ----

@@ -129,7 +129,8 @@ Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& c
     const MipTexture mips = make_mips(texture);
     textures.push_back({int(levels.size()), int(mips.levels.size()), mips.linear ? 1 : 0});
     for (const MipLevel& level : mips.levels) {
-      levels.push_back({int(texels.size() / 4), level.width, level.height, level.nearest ? 1 : 0});
+      levels.push_back(
+          {int(texels.size() / 4), level.width, level.height, level.nearest ? 1 : 0, level.clamped ? 1 : 0});
       texels.insert(texels.end(), level.rgba.begin(), level.rgba.end());
     }
   }

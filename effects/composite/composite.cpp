@@ -14,9 +14,11 @@ constexpr double kDamping = 0.1;
 
 const std::vector<Parameter> kCompositeTable = {
     choice_row(
-        "mode", &CompositeParams::mode, 0, {"ambient", "subtract", "multiply", "modulate", "occlusion", "bleeding"},
+        "mode", &CompositeParams::mode, 0,
+        {"ambient", "subtract", "multiply", "modulate", "occlusion", "bleeding", "albedo"},
         "how occlusion is applied: to the ambient part, subtracted, multiplied, modulating colour, or shown alone; "
-        "bleeding: to the ambient part, with bounced light damped where direct light is weak"),
+        "bleeding: to the ambient part, with bounced light damped where direct light is weak; albedo: multiplied with "
+        "the colours of surfaces, without light"),
     real_row("darkness", &CompositeParams::darkness, {.initial = 1, .max = kMaxFactor},
              "mode modulate: how much of the mask is added to brightness"),
     real_row("chroma", &CompositeParams::chroma, {.min = -kMaxFactor, .max = kMaxFactor},

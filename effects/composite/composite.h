@@ -4,7 +4,7 @@
 
 // Each field has one row in the parameter table of composite.cpp.
 struct CompositeParams {
-  int mode;                          // 0 ambient, 1 subtract, 2 multiply, 3 modulate, 4 occlusion, 5 bleeding
+  int mode;                          // 0 ambient, 1 subtract, 2 multiply, 3 modulate, 4 occlusion, 5 bleeding, 6 albedo
   float darkness, chroma, contrast;  // factors of mode modulate
   float damping;                     // mode bleeding: luminance of direct light where damping ends; 0: off
   int albedo;                        // albedo for bounced light: 0 linear, 1 in display values

@@ -6,6 +6,7 @@
 //   modulate   d = ao - 1 changes brightness, chroma and contrast of direct + bounced + ambient [Luft 2006, from the
 //              literature]
 //   occlusion  ao alone, as a grey value
+//   albedo     albedo ao: occlusion on the colours of surfaces
 //   bleeding   direct + bounced min(luminance of direct / damping, 1) + ambient ao [Colliander and Törnquist 2015,
 //              "Blur Pass"]
 IN_COLOR(direct)

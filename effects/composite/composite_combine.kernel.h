@@ -63,6 +63,7 @@ FN Combined combined() {
       lit = gray(Real(0.5f)) + (lit - gray(Real(0.5f))) * max(mad(d, Real(C.contrast), Real(1.0f)), Real(0.0f));
       lit = lit + gray(d * Real(C.darkness));
     }
+    if (C.mode == 6) lit = albedo * ao;
     if (C.mode == 2) direct = direct * ao;
     all = Combined(lit, direct, bounced);
   }

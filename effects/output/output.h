@@ -6,7 +6,7 @@
 const int kMeteringNone = 0, kMeteringPicture = 1, kMeteringLight = 2;
 
 // Values of OutputParams::tone.
-const int kToneNone = 0, kToneNeutral = 1;
+const int kToneNone = 0, kToneNeutral = 1, kToneHue = 2;
 
 // Values of OutputParams::transfer.
 const int kTransferSrgb = 0, kTransferNone = 1;

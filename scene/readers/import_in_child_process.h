@@ -19,6 +19,8 @@ Result<Scene> import_in_child_process(const std::filesystem::path& file, const I
 /// Command-line values for an index and an angle of ImportSettings that are not set.
 inline constexpr int kNoIndex = -1;
 inline constexpr float kNoAngle = -1.0f;
+/// What precedes the name of a field of ImportSettings that is set.
+inline constexpr char kFieldMark = '=';
 
 /// Command-line option of umbrage-import: the next argument is a file for read_panorama.
 inline constexpr const char* kPanoramaOption = "--panorama";

@@ -56,15 +56,16 @@ std::optional<Result<Scene>> import_own_obj(const fs::path& path, Poll* poll) {
 
 /// Reads OBJ, PLY, OFF, STL, or points in text form. Returns nothing for other formats, and for files with a texture,
 /// which a third-party decoder reads.
-std::optional<Result<Scene>> import_own(const fs::path& file, const std::string& format, Poll* poll) {
+std::optional<Result<Scene>> import_own(const fs::path& file, const std::string& format,
+                                        const std::optional<std::string>& field, Poll* poll) {
   if (format == "obj") return import_own_obj(file, poll);
   if (format == "off") return read_off(file, poll);
   if (format == "stl") return read_stl(file, poll);
-  if (format == "xyz" || format == "pts") return read_xyz(file, poll);
+  if (format == "xyz" || format == "pts") return read_xyz(file, field, poll);
   if (format != "ply") return std::nullopt;
   if (ply_has_texture(file)) return std::nullopt;
   std::vector<std::string> textures;
-  return read_ply(file, textures, poll);
+  return read_ply(file, field, textures, poll);
 }
 
 /// Makes points at 0 0 0 of the file invalid, as depth cameras write pixels without a depth, if they are many and
@@ -244,7 +245,7 @@ Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings,
     Poll poll(monitor);
     poll.part(0.0, kRead);
     if (poll.ended()) return interrupted();
-    auto own = import_own(file, format, &poll);
+    auto own = import_own(file, format, settings.field, &poll);
     const bool apart = !own;
     auto scene = apart ? import_in_child_process(file, settings, &poll) : std::move(*own);
     poll.part(kRead, 1.0);

@@ -1,6 +1,7 @@
 // Readers of model formats that need no library. Each returns a scene before finish_scene.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,10 +20,12 @@ Result<Scene> read_off(const std::filesystem::path& file, Poll* poll = nullptr);
 /// double precision. Normals, texture coordinates and colours are kept if every vertex has them; texture coordinates at
 /// the corners of faces and colours of faces take their place. Vertices with the properties of a Gaussian become splats
 /// (draw_splats); points without colours are coloured by an intensity or quality. Rows of a text file that lack a
-/// number are left out, if they are few. The names in comments "TextureFile NAME" are returned in `textures`; the
+/// number are left out, if they are few. `field`: see ImportSettings; properties of vertices and faces that are
+/// no lists are fields. The names in comments "TextureFile NAME" are returned in `textures`; the
 /// textures themselves are not read: the material with the index of a name is to have it. Errors: kFile, naming the
 /// wrong field; kInterrupted.
-Result<Scene> read_ply(const std::filesystem::path& file, std::vector<std::string>& textures, Poll* poll = nullptr);
+Result<Scene> read_ply(const std::filesystem::path& file, const std::optional<std::string>& field,
+                       std::vector<std::string>& textures, Poll* poll = nullptr);
 
 /// Returns whether a PLY file's header names a texture, or may do so: it is too long to find out.
 bool ply_has_texture(const std::filesystem::path& file);
@@ -33,8 +36,10 @@ bool ply_has_texture(const std::filesystem::path& file);
 /// or //, and lines with the number of points. A line of column names before the first point gives position, colour and
 /// normal their places. Leaves out lines with fewer than
 /// three numbers, with a warning, if they are few. A file of atoms is a molecule: see read_molecule. The scene has one
-/// mesh, before finish_scene. Errors: kFile, naming the wrong line; kInterrupted.
-Result<Scene> read_xyz(const std::filesystem::path& file, Poll* poll = nullptr);
+/// mesh, before finish_scene. `field`: see ImportSettings; columns after the position are fields, by their names in
+/// lower case, or "column 4". Errors: kFile, naming the wrong line; kInterrupted.
+Result<Scene> read_xyz(const std::filesystem::path& file, const std::optional<std::string>& field,
+                       Poll* poll = nullptr);
 
 /// Reads an STL file into a scene, before finish_scene: one mesh for a binary file, one for each solid of a text file,
 /// with +z up. Vertices are not joined. Normals are not kept, since they are those of the faces. Colours of facets in

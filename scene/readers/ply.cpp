@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scene/readers/field_columns.h"
 #include "scene/readers/ply_parts.h"
 #include "scene/readers/polygon.h"
 #include "scene/readers/positions.h"
@@ -120,6 +121,25 @@ glm::vec3 triple(const Values& values, Slot first) {
   return {float(values[first]), float(values[first + 1]), float(values[first + 2])};
 }
 
+/// Returns the fields that `wanted` asks for among the properties of an element.
+std::vector<FieldColumns> fields_of(const Element& element, const std::optional<std::string>& wanted) {
+  const Slots slots(element);
+  std::vector<FileColumn> columns;
+  for (std::size_t k = 0; k < slots.of.size(); ++k) {
+    const Property& property = element.properties[k];
+    const bool is_value = slots.of[k] == kNowhere || slots.of[k] == kScalar || slots.of[k] == kOpacity;
+    columns.push_back({property.list_size ? "" : property.name, is_value});
+  }
+  auto fields = field_columns(columns, wanted);
+  for (FieldColumns& each : fields) each.field.on_triangles = element.name != "vertex";
+  return fields;
+}
+
+/// Moves the values of fields to a mesh.
+void add_fields(std::vector<FieldColumns> fields, Mesh& mesh) {
+  for (FieldColumns& each : fields) mesh.fields.push_back(std::move(each.field));
+}
+
 /// What is read from a file besides its mesh.
 struct Contents {
   Mesh mesh;
@@ -140,7 +160,8 @@ void read_list(const Property& property, Body& body, Visit visit) {
 }
 
 /// `indexed`: other elements refer to vertices by their index, so bad ones are kept, and dropped with their triangles.
-void read_vertices(const Element& element, bool indexed, Body& body, Contents& out, Scene& scene, Poll* poll) {
+void read_vertices(const Element& element, bool indexed, const std::optional<std::string>& field, Body& body,
+                   Contents& out, Scene& scene, Poll* poll) {
   const Slots slots(element);
   Mesh& mesh = out.mesh;
   const bool has_normals = slots.all(kNormalX, kNormalZ), has_uvs = slots.all(kU, kV), has_colors = slots.colors();
@@ -154,6 +175,8 @@ void read_vertices(const Element& element, bool indexed, Body& body, Contents& o
     out.scalar_name =
         element.properties[std::size_t(std::find_if(slots.of.begin(), slots.of.end(), is_scalar) - slots.of.begin())]
             .name;
+  std::vector<FieldColumns> fields = fields_of(element, field);
+  std::vector<double> row(slots.of.size());
   for (std::size_t i = 0; i < element.count && !body.ended() && !stops(poll, i, element.count); ++i) {
     Values value{};
     body.begin_row();
@@ -162,7 +185,7 @@ void read_vertices(const Element& element, bool indexed, Body& body, Contents& o
       if (property.list_size) {
         read_list(property, body, [](double) {});
       } else {
-        value[slots.of[k]] = body.next(property.number);
+        value[slots.of[k]] = row[k] = body.next(property.number);
       }
     }
     if (body.end_row()) {
@@ -172,6 +195,7 @@ void read_vertices(const Element& element, bool indexed, Body& body, Contents& o
     unpack_color(slots, value);
     if (!slots.has[kScale2]) value[kScale2] = -std::numeric_limits<double>::infinity();
     positions.emplace_back(value[kX], value[kY], value[kZ]);
+    for (FieldColumns& each : fields) each.append([&](std::size_t k) { return row[k]; });
     if (has_normals) mesh.normals.push_back(triple(value, kNormalX));
     if (has_uvs) mesh.uvs.emplace_back(float(value[kU]), float(value[kV]));
     if (has_colors) mesh.colors.push_back(triple(value, kRed));
@@ -182,6 +206,7 @@ void read_vertices(const Element& element, bool indexed, Body& body, Contents& o
                             glm::vec4(float(value[kRotation0]), triple(value, kRotation1))});
   }
   set_positions(positions, mesh, scene);
+  add_fields(std::move(fields), mesh);
   float brightest = 0.0f;
   for (const glm::vec3& c : mesh.colors) brightest = std::max({brightest, c.x, c.y, c.z});
   // Some programs write bytes as floats.
@@ -211,7 +236,8 @@ void add_strips(const std::vector<std::uint32_t>& corners, Mesh& mesh) {
 }
 
 /// Reads the lists of faces or strips; skips all other elements.
-void read_lists(const Element& element, Body& body, std::size_t texture_count, Contents& out, Poll* poll) {
+void read_lists(const Element& element, const std::optional<std::string>& field, Body& body, std::size_t texture_count,
+                Contents& out, Poll* poll) {
   const bool strips = element.name == "tristrips", faces = element.name == "face";
   const Slots slots(element);
   const auto list_named = [&](const char* a, const char* b) {
@@ -221,6 +247,8 @@ void read_lists(const Element& element, Body& body, std::size_t texture_count, C
   const int index_list = list_named("vertex_indices", "vertex_index"), uv_list = list_named("texcoord", "texcoords");
   const bool has_colors = faces && slots.colors(), has_uvs = faces && uv_list >= 0;
   FaceSplitter splitter(poll);
+  std::vector<FieldColumns> fields = faces ? fields_of(element, field) : std::vector<FieldColumns>();
+  std::vector<double> row(slots.of.size());
   std::vector<std::uint32_t> corners;
   std::vector<float> uvs;
   for (std::size_t i = 0; i < element.count && !body.ended() && !stops(poll, i, element.count); ++i) {
@@ -231,7 +259,7 @@ void read_lists(const Element& element, Body& body, std::size_t texture_count, C
     for (std::size_t k = 0; k < element.properties.size(); ++k) {
       const Property& property = element.properties[k];
       if (!property.list_size) {
-        value[slots.of[k]] = body.next(property.number);
+        value[slots.of[k]] = row[k] = body.next(property.number);
         continue;
       }
       read_list(property, body, [&](double number) {
@@ -248,6 +276,9 @@ void read_lists(const Element& element, Body& body, std::size_t texture_count, C
     if (!faces) continue;
     const std::vector<std::uint32_t>& triangles = splitter.split(corners, out.mesh.positions);
     for (const std::uint32_t corner : triangles) out.mesh.indices.push_back(corners[corner]);
+    for (FieldColumns& each : fields)
+      for (std::size_t k = 0; k < triangles.size() / 3; ++k)
+        each.append([&](std::size_t column) { return row[column]; });
     const bool textured = uvs.size() == 2 * corners.size();
     if (has_uvs) {
       for (const std::uint32_t k : triangles)
@@ -263,6 +294,7 @@ void read_lists(const Element& element, Body& body, std::size_t texture_count, C
                               linear_color(triple(value, kRed) / slots.color_scale));
     if (slots.has[kAlpha]) out.transparent = out.transparent || value[kAlpha] < slots.alpha_scale;
   }
+  add_fields(std::move(fields), out.mesh);
 }
 
 /// Colours points from grey to white by a scalar, over the range of most of its values.
@@ -285,8 +317,9 @@ void color_by_scalar(Contents& contents, Scene& scene) {
                   contents.scalar_name, low, high));
 }
 
-/// Adds warnings about what is in the file and is not drawn.
-void warn_of_ignored(const Header& header, const Contents& contents, Scene& scene) {
+/// Adds warnings about what is in the file and is not drawn. `field`: see ImportSettings.
+void warn_of_ignored(const Header& header, const Contents& contents, const std::optional<std::string>& field,
+                     Scene& scene) {
   for (const Element& element : header.elements) {
     if (element.count == 0) continue;
     if (element.name == "edge") scene.warnings.push_back(fmt::format("{} edges are not drawn", element.count));
@@ -294,12 +327,17 @@ void warn_of_ignored(const Header& header, const Contents& contents, Scene& scen
     if (element.name != "vertex" || !contents.splats.empty()) continue;
     const bool draws_scalar =
         contents.mesh.indices.empty() || !contents.mesh.colors.empty() || !contents.faces.colors.empty();
-    std::vector<std::string> lost;
+    std::vector<std::string> lost, values;
     const Slots slots(element);
     for (std::size_t k = 0; k < slots.of.size(); ++k)
       if (slots.of[k] == kNowhere || (slots.of[k] == kScalar && !draws_scalar))
-        lost.push_back("'" + element.properties[k].name + "'");
-    if (!lost.empty()) scene.warnings.push_back(fmt::format("not drawn: {}", fmt::join(lost, ", ")));
+        (element.properties[k].list_size ? lost : values).push_back("'" + element.properties[k].name + "'");
+    // Whoever asks for a field knows of them.
+    const bool is_hint = lost.empty() && !values.empty();
+    if (!field) lost.insert(lost.begin(), values.begin(), values.end());
+    if (!lost.empty())
+      scene.warnings.push_back(
+          fmt::format("not drawn: {}{}", fmt::join(lost, ", "), is_hint ? "; `color_by` shows values as colours" : ""));
   }
   if (contents.transparent) scene.warnings.push_back("the property 'alpha' is not drawn: surfaces are opaque");
   if (!header.textures.empty() && contents.mesh.uvs.empty() && !contents.has_textures)
@@ -308,7 +346,7 @@ void warn_of_ignored(const Header& header, const Contents& contents, Scene& scen
 }
 
 /// Makes meshes and materials of what was read.
-void assemble(const Header& header, Contents contents, Scene& scene) {
+void assemble(const Header& header, Contents contents, const std::optional<std::string>& field, Scene& scene) {
   Mesh& mesh = contents.mesh;
   mesh.points = mesh.indices.empty();
   if (mesh.positions.empty()) {
@@ -316,7 +354,9 @@ void assemble(const Header& header, Contents contents, Scene& scene) {
     return;
   }
   const bool is_splats = mesh.points && contents.splats.size() == mesh.positions.size();
-  if (mesh.points && mesh.colors.empty() && !contents.scalars.empty() && !is_splats) color_by_scalar(contents, scene);
+  const bool shows_field = !field.value_or("").empty();
+  if (mesh.points && mesh.colors.empty() && !contents.scalars.empty() && !is_splats && !shows_field)
+    color_by_scalar(contents, scene);
   FaceAttributes& faces = contents.faces;
   if (!contents.has_textures) faces.uvs.clear();
   const auto complete = [&](std::size_t count, std::size_t per) { return count * per == mesh.indices.size(); };
@@ -354,7 +394,8 @@ bool ply_has_texture(const fs::path& path) {
   return bytes.size() == kMaxHeaderLength && bytes.find("end_header") == std::string::npos;
 }
 
-Result<Scene> read_ply(const fs::path& path, std::vector<std::string>& textures, Poll* poll) {
+Result<Scene> read_ply(const fs::path& path, const std::optional<std::string>& field,
+                       std::vector<std::string>& textures, Poll* poll) {
   const std::string file = path.string();
   const auto bytes = read_whole_file(path, poll);
   if (!bytes) return bytes.error();
@@ -388,9 +429,9 @@ Result<Scene> read_ply(const fs::path& path, std::vector<std::string>& textures,
         if (element.find(name) < 0) return file_error("'{}' has vertices without '{}'", file, name);
       const bool indexed = std::any_of(header->elements.begin(), header->elements.end(),
                                        [](const Element& other) { return other.name != "vertex" && other.count > 0; });
-      read_vertices(element, indexed, body, contents, scene, poll);
+      read_vertices(element, indexed, field, body, contents, scene, poll);
     } else {
-      read_lists(element, body, header->textures.size(), contents, poll);
+      read_lists(element, field, body, header->textures.size(), contents, poll);
     }
     if (poll && poll->ended()) return interrupted();
     if (body.comma_line() > 0) return decimal_commas_error(file, body.comma_line());
@@ -404,8 +445,8 @@ Result<Scene> read_ply(const fs::path& path, std::vector<std::string>& textures,
       scene.warnings.push_back(fmt::format("{} of {} entries of '{}' lack a number and are left out, first in line {}",
                                            body.bad_rows(), element.count, element.name, body.first_bad_line()));
   }
-  warn_of_ignored(*header, contents, scene);
-  assemble(*header, std::move(contents), scene);
+  warn_of_ignored(*header, contents, field, scene);
+  assemble(*header, std::move(contents), field, scene);
   return scene;
 }
 

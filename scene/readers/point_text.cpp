@@ -13,6 +13,7 @@
 
 #include "core/lists.h"
 #include "core/lowercase.h"
+#include "scene/readers/field_columns.h"
 #include "scene/readers/molecule.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/read_number.h"
@@ -241,6 +242,23 @@ std::size_t common_columns(std::vector<Row>& rows) {
   return common;
 }
 
+/// Returns the fields that `wanted` asks for among the columns after the position.
+std::vector<Field> fields_of(const std::vector<Row>& rows, const NamedColumns& named, const PointColumns& drawn,
+                             std::size_t count, const std::optional<std::string>& wanted) {
+  std::vector<FileColumn> columns(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto is_in = [&](std::size_t triple) { return k >= triple && k < triple + 3; };
+    columns[k] = {k < named.names.size() ? named.names[k] : fmt::format("column {}", k + 1),
+                  k >= 3 && !is_in(drawn.normal) && !(drawn.color_scale > 0.0f && is_in(drawn.color))};
+  }
+  std::vector<Field> fields;
+  for (FieldColumns& each : field_columns(columns, wanted)) {
+    for (const Row& row : rows) each.append([&](std::size_t k) { return row.values[k]; });
+    fields.push_back(std::move(each.field));
+  }
+  return fields;
+}
+
 /// Adds a warning about columns that are not drawn. An intensity beside colours is no loss.
 void warn_of_columns(const NamedColumns& named, const PointColumns& columns, std::size_t first, std::size_t count,
                      std::vector<std::string>& warnings) {
@@ -255,13 +273,14 @@ void warn_of_columns(const NamedColumns& named, const PointColumns& columns, std
       lost.push_back("'" + named.names[k] + "'");
   }
   if (lost.empty()) return;
-  warnings.push_back(fmt::format("not drawn: {}{}{}", has_names ? "" : "column ", fmt::join(lost, ", "),
+  warnings.push_back(fmt::format("not drawn: {}{}{}; `color_by` shows values as colours", has_names ? "" : "column ",
+                                 fmt::join(lost, ", "),
                                  has_names ? "" : "; a first line such as 'x y z r g b nx ny nz' names the columns"));
 }
 
 }  // namespace
 
-Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
+Result<Scene> read_xyz(const fs::path& path, const std::optional<std::string>& field, Poll* poll) {
   const std::string file = path.string();
   const auto bytes = read_whole_file(path, poll);
   if (!bytes) return bytes.error();
@@ -302,8 +321,9 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
     warnings.push_back(
         "column 1 counts the lines and is drawn as x; if it is an index, name it in a first line such as "
         "'i x y z'");
-  warn_of_columns(read.named, columns, first, count, warnings);
+  if (!field) warn_of_columns(read.named, columns, first, count, warnings);
   Mesh mesh;
+  mesh.fields = fields_of(rows, read.named, columns, count, field);
   if (is_there(columns.normal))
     for (const Row& row : rows) mesh.normals.push_back(triple(row, columns.normal));
   if (columns.color_scale > 0.0f)

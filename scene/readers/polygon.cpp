@@ -1,4 +1,5 @@
 #include "scene/readers/polygon.h"
+#include "scene/fields.h"
 
 #include <algorithm>
 #include <cmath>
@@ -191,12 +192,14 @@ void copy_vertex(const Mesh& source, std::uint32_t from, Mesh& out) {
   if (!source.normals.empty()) out.normals.push_back(source.normals[from]);
   if (!source.uvs.empty()) out.uvs.push_back(source.uvs[from]);
   if (!source.colors.empty()) out.colors.push_back(source.colors[from]);
+  append_vertex_values(source, from, out);
 }
 
 /// Returns a mesh without vertices and triangles, otherwise equal.
 Mesh empty_like(const Mesh& mesh) {
   Mesh out;
   out.name = mesh.name;
+  out.fields = empty_fields(mesh);
   out.material = mesh.material;
   out.object = mesh.object;
   return out;
@@ -276,6 +279,8 @@ void set_face_attributes(const FaceAttributes& attributes, Mesh& mesh) {
     }
     out.indices.push_back(found);
   }
+  for (std::size_t f = 0; f < mesh.fields.size(); ++f)
+    if (mesh.fields[f].on_triangles) out.fields[f] = std::move(mesh.fields[f]);
   mesh = std::move(out);
 }
 
@@ -296,7 +301,8 @@ std::vector<Mesh> split_by_material(Mesh mesh, const std::vector<int>& materials
   for (std::size_t i = 0; i < materials.size(); ++i) triangles_of[part_of[materials[i]]].push_back(i);
   std::vector<std::uint32_t> number(mesh.positions.size(), kNotFound), numbered(mesh.positions.size(), kNotFound);
   for (std::uint32_t p = 0; p < parts.size(); ++p)
-    for (const std::size_t triangle : triangles_of[p])
+    for (const std::size_t triangle : triangles_of[p]) {
+      append_triangle_values(mesh, triangle, parts[p]);
       for (std::size_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
         const std::uint32_t old = mesh.indices[corner];
         if (old >= mesh.positions.size()) {
@@ -310,6 +316,7 @@ std::vector<Mesh> split_by_material(Mesh mesh, const std::vector<int>& materials
         }
         parts[p].indices.push_back(number[old]);
       }
+    }
   return parts;
 }
 

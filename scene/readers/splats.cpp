@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "core/lists.h"
+#include "scene/fields.h"
 #include "scene/readers/vertex_colors.h"
 
 namespace umbrage::ply {
@@ -52,6 +53,7 @@ void draw_splats(const std::vector<Splat>& splats, Scene& scene) {
   Mesh discs, spheres;
   discs.name = source.name;
   spheres.name = source.name;
+  discs.fields = spheres.fields = empty_fields(source);
   discs.points = spheres.points = spheres.spheres = true;
   std::vector<float> radii;
   std::size_t transparent = 0;
@@ -65,6 +67,7 @@ void draw_splats(const std::vector<Splat>& splats, Scene& scene) {
     Mesh& mesh = shape.normal == glm::vec3(0.0f) ? spheres : discs;
     mesh.positions.push_back(source.positions[i]);
     mesh.radii.push_back(shape.radius);
+    append_vertex_values(source, std::uint32_t(i), mesh);
     mesh.colors.push_back(linear_color(0.5f + kHarmonicOfDegree0 * splat.harmonics));
     if (!mesh.spheres) mesh.normals.push_back(shape.normal);
     if (std::isfinite(shape.radius)) radii.push_back(shape.radius);

@@ -21,8 +21,8 @@ namespace {
 // These functions list every field of every struct. The structured bindings do not compile if a field is missing.
 template <class Archive>
 void list_fields(Archive& archive, Texture& texture) {
-  auto& [name, width, height, rgba, linear, nearest] = texture;
-  archive(name, width, height, rgba, linear, nearest);
+  auto& [name, width, height, rgba, linear, nearest, clamped] = texture;
+  archive(name, width, height, rgba, linear, nearest, clamped);
 }
 template <class Archive>
 void list_fields(Archive& archive, Material& material) {
@@ -34,10 +34,16 @@ void list_fields(Archive& archive, Material& material) {
           blended, opacity, glass, tint, ignored);
 }
 template <class Archive>
+void list_fields(Archive& archive, Field& field) {
+  auto& [name, components, on_triangles, values] = field;
+  archive(name, components, on_triangles, values);
+}
+template <class Archive>
 void list_fields(Archive& archive, Mesh& mesh) {
-  auto& [name, positions, normals, uvs, colors, indices, smoothing, points, spheres, radii, bends, material, object] =
-      mesh;
-  archive(name, positions, normals, uvs, colors, indices, smoothing, points, spheres, radii, bends, material, object);
+  auto& [name, positions, normals, uvs, colors, indices, smoothing, points, spheres, radii, bends, fields, material,
+         object] = mesh;
+  archive(name, positions, normals, uvs, colors, indices, smoothing, points, spheres, radii, bends, fields, material,
+          object);
 }
 template <class Archive>
 void list_fields(Archive& archive, Light& light) {
@@ -56,11 +62,11 @@ void list_fields(Archive& archive, AmbientShape& shape) {
 }
 template <class Archive>
 void list_fields(Archive& archive, Scene& scene) {
-  // No reader sets `reflections`, `start` or `shape_facts`.
+  // No reader sets `reflections`, `start`, `value_colors` or `shape_facts`.
   auto& [name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, animation_names,
          animation_durations_s, origin, up, has_front, ambient, ambient_shape, lit_white_luminance, reflections,
-         bounds_min, bounds_max, motion, start, ground_object, ground_center, ground_fade_distance, warnings,
-         shape_facts] = scene;
+         bounds_min, bounds_max, motion, start, ground_object, ground_center, ground_fade_distance, value_colors,
+         warnings, shape_facts] = scene;
   archive(name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, animation_names,
           animation_durations_s, origin, up, has_front, ambient, ambient_shape, lit_white_luminance, bounds_min,
           bounds_max, motion, ground_object, ground_center, ground_fade_distance, warnings);
@@ -211,6 +217,11 @@ bool is_consistent(const Scene& scene) {
     for (const std::size_t size :
          {mesh.normals.size(), mesh.uvs.size(), mesh.colors.size(), mesh.radii.size(), mesh.bends.size()})
       if (size != 0 && size != mesh.positions.size()) return false;
+    for (const Field& field : mesh.fields)
+      if (field.components < 1 ||
+          field.values.size() !=
+              (field.on_triangles ? mesh.indices.size() / 3 : mesh.positions.size()) * std::size_t(field.components))
+        return false;
     if (!mesh.smoothing.empty() && mesh.smoothing.size() != mesh.indices.size() / 3) return false;
     std::uint32_t max = 0;
     for (const std::uint32_t index : mesh.indices) max = std::max(max, index);

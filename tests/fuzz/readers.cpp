@@ -83,7 +83,7 @@ void check_model(Result<Scene> scene) {
 void read_as_ply(std::string_view bytes) {
   const MemoryFile file(bytes);
   std::vector<std::string> textures;
-  check_model(read_ply(file.path, textures));
+  check_model(read_ply(file.path, std::string(), textures));
   static_cast<void>(ply_has_texture(file.path));
 }
 
@@ -112,7 +112,7 @@ void read_as_mtl(std::string_view bytes) {
   for (const std::string& warning : library.warnings) expect(warning.find('\n') == std::string::npos, warning);
 }
 
-void read_as_xyz(std::string_view bytes) { check_model(read_xyz(MemoryFile(bytes).path)); }
+void read_as_xyz(std::string_view bytes) { check_model(read_xyz(MemoryFile(bytes).path, std::string())); }
 
 void read_as_gzip(std::string_view bytes) {
   static_cast<void>(inflated_start(bytes, bytes.size()));
