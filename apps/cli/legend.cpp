@@ -136,6 +136,13 @@ Result<DrawnLayer> color_bar(const LegendSettings& settings, const ValueColors& 
     if (!wide) return wide.error();
     labels = std::max(labels, *wide);
   }
+  constexpr const char* kMissing = "no value";
+  const float swatch_label = width + tick;  // from the bar's left side
+  if (values.missing_count > 0) {
+    const auto wide = text_width(kMissing, page.font);
+    if (!wide) return wide.error();
+    labels = std::max(labels, *wide - 0.4f * page.font);
+  }
   const std::string title = settings.title.empty() ? values.name : settings.title;
   const auto title_width = text_width(title, page.font);
   if (!title_width) return title_width.error();
@@ -164,11 +171,11 @@ Result<DrawnLayer> color_bar(const LegendSettings& settings, const ValueColors& 
     DrawnPath swatch = rectangle(x, top + height + 0.8f * page.font, width, page.font);
     swatch.fill = values.missing, swatch.stroke = page.ink, swatch.width = page.line();
     layer.shapes.emplace_back(std::move(swatch));
-    layer.shapes.emplace_back(DrawnText{.x = x + width + tick,
+    layer.shapes.emplace_back(DrawnText{.x = x + swatch_label,
                                         .y = top + height + (1.3f + 0.5f * kDigitHeight) * page.font,
                                         .size = page.font,
                                         .color = page.ink,
-                                        .text = "no value"});
+                                        .text = kMissing});
   }
   return layer;
 }

@@ -107,7 +107,7 @@ Result<void> set_frames(const RenderOptions& o, Output& output) {
 }
 
 /// What all frames of a model need.
-struct Drawing {
+struct FrameDrawing {
   const RenderOptions& o;
   const RenderJob& job;
   Device& device;
@@ -177,7 +177,7 @@ Result<MovingFrame> animated_frame(const RenderOptions& o, const RenderJob& job,
 }
 
 /// Draws a frame of an animation by itself.
-Result<Drawn> draw_animated(Drawing& all, int frame, StageTimes& times, TimedSamples& timed) {
+Result<Drawn> draw_animated(FrameDrawing& all, int frame, StageTimes& times, TimedSamples& timed) {
   auto moved = animated_frame(all.o, all.job, *all.plan.capture.lighting, all.device.threads(), frame);
   if (!moved) return moved.error();
   all.device.release_scene();
@@ -188,7 +188,7 @@ Result<Drawn> draw_animated(Drawing& all, int frame, StageTimes& times, TimedSam
 }
 
 /// Returns the plan of a pose, with lines that stay on surfaces.
-Result<Plan> plan_with_lines(Drawing& all, int pose, StageTimes& times, const ProgressMonitor& monitor) {
+Result<Plan> plan_with_lines(FrameDrawing& all, int pose, StageTimes& times, const ProgressMonitor& monitor) {
   Plan plan = all.pose(pose);
   const auto still = [&](double) { return !monitor || monitor(0.0); };
   if (all.key_lines)
@@ -197,7 +197,7 @@ Result<Plan> plan_with_lines(Drawing& all, int pose, StageTimes& times, const Pr
 }
 
 /// Draws a frame.
-Result<Drawn> draw_of_frame(Drawing& all, const FrameTask& task, StageTimes& times, TimedSamples& timed) {
+Result<Drawn> draw_of_frame(FrameDrawing& all, const FrameTask& task, StageTimes& times, TimedSamples& timed) {
   const ProgressMonitor monitor = timed.monitor();
   if (!all.job.output.is_moving())
     return draw(all.device, all.scene, all.plan, times, monitor, all.stops, timed.continuation());
@@ -210,7 +210,7 @@ Result<Drawn> draw_of_frame(Drawing& all, const FrameTask& task, StageTimes& tim
 }
 
 /// Draws a frame and writes its files. While one thread writes, another can draw.
-Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) {
+Result<void> draw_frame(FrameDrawing& all, const FrameTask& task, StageTimes& times) {
   const RenderOptions& o = all.o;
   const RenderJob& job = all.job;
   std::unique_lock lock(all.mutex);
@@ -271,7 +271,7 @@ Result<void> draw_frame(Drawing& all, const FrameTask& task, StageTimes& times) 
 }
 
 /// Draws a picture, or the frames of a video one after the other.
-Result<void> draw_in_order(Drawing& all, Video* video, StageTimes& times) {
+Result<void> draw_in_order(FrameDrawing& all, Video* video, StageTimes& times) {
   ProgressLine line;
   const std::size_t count = all.job.output.frames.size();
   all.destination.video = video;
@@ -356,7 +356,7 @@ Result<Output> output_of(const RenderOptions& o, const ImportSettings& settings)
 Result<void> draw_frames(const RenderOptions& o, const RenderJob& job, Device& device, const Scene& scene,
                          const Plan& plan, StageTimes& times) {
   const ScopedPlanePool kept(device.pool());
-  Drawing all{o, job, device, scene, plan, {o.output, nullptr, {}}};
+  FrameDrawing all{o, job, device, scene, plan, {o.output, nullptr, {}}};
   if (job.output.motion == Motion::kTurntable || job.output.path) {
     std::vector<Framing> path;
     if (job.output.path) all.pose_of_frame = find_poses(o, job.output, job.recipe.framing, path);

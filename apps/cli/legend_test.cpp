@@ -1,0 +1,193 @@
+// Tests of legends: ticks, colours and places in the picture, their files, and what is refused.
+#include "apps/cli/legend.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include "apps/cli/page.h"
+#include "cli_support.h"
+
+namespace umbrage::cli {
+namespace {
+
+using test::kSmall;
+
+ValueColors values_of(float low, float high, ValueColors::Scale scale = ValueColors::Scale::kLinear) {
+  return {.name = "p",
+          .low = low,
+          .high = high,
+          .scale = scale,
+          .linear_threshold = 1.0f,
+          .colors = {{0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f}}};
+}
+
+std::string labels(const ValueColors& values, int count = 7) {
+  std::vector<std::string> all;
+  for (const Tick& tick : ticks_of(values, count)) all.push_back(tick.label);
+  return fmt::format("{}", fmt::join(all, " "));
+}
+
+TEST(Legend, TicksAreRound) {
+  using Scale = ValueColors::Scale;
+  EXPECT_EQ(labels(values_of(98.2f, 103.6f)), "99 100 101 102 103");
+  EXPECT_EQ(labels(values_of(0.0f, 1.0f)), "0 0.2 0.4 0.6 0.8 1.0");
+  EXPECT_EQ(labels(values_of(-0.013f, 0.011f)), "\u22120.010 \u22120.005 0 0.005 0.010");
+  EXPECT_EQ(labels(values_of(0.0f, 3e6f)),
+            "0 5\u00d710\u2075 10\u2076 1.5\u00d710\u2076 2\u00d710\u2076 2.5\u00d710\u2076 3\u00d710\u2076");
+  EXPECT_EQ(labels(values_of(0.01f, 1000.0f, Scale::kLog)), "0.01 0.1 1 10 100 1000");
+  EXPECT_EQ(labels(values_of(-100.0f, 100.0f, Scale::kSymlog)), "\u2212100 \u221210 \u22121 0 1 10 100");
+  ValueColors bands = values_of(0.0f, 1.0f);
+  bands.bands = true, bands.colors.resize(4);
+  EXPECT_EQ(labels(bands), "0 0.25 0.50 0.75 1.00");
+}
+
+TEST(Legend, TicksStandAtTheirValues) {
+  const ValueColors log = values_of(1.0f, 100.0f, ValueColors::Scale::kLog);
+  EXPECT_NEAR(place_on_scale(log, 10.0), 0.5, 1e-9);
+  const ValueColors symlog = values_of(-10.0f, 10.0f, ValueColors::Scale::kSymlog);
+  EXPECT_NEAR(place_on_scale(symlog, 0.0), 0.5, 1e-9);
+  EXPECT_NEAR(place_on_scale(symlog, 1.0), 0.75, 1e-9);
+  for (const double max : {0.00123, 0.99, 1.0, 1.99, 4.9, 7.0, 123456.0}) {
+    const double length = round_length(max);
+    EXPECT_LE(length, max * (1.0 + 1e-9));
+    EXPECT_GT(length, 0.39 * max);
+  }
+}
+
+/// Returns the pixel of the page, or 0 outside.
+std::uint32_t at(const PagePixels& pixels, int x, int y) {
+  x -= pixels.x, y -= pixels.y;
+  if (x < 0 || y < 0 || x >= pixels.width || y >= pixels.height) return 0;
+  return pixels.argb[std::size_t(y) * std::size_t(pixels.width) + std::size_t(x)];
+}
+
+TEST(Legend, BarHasTheColorsOfItsValues) {
+  Scene scene;
+  scene.value_colors = std::make_shared<ValueColors>(values_of(0.0f, 1.0f));
+  const auto layers = legends_of({.color_bar = true, .ink = {0.0f, 1.0f, 0.0f}}, scene, Camera(), 400, 300);
+  ASSERT_TRUE(layers) << layers.error().message;
+  const auto pixels = pixels_of(*layers, 400, 300);
+  ASSERT_TRUE(pixels) << pixels.error().message;
+  // The rows of the bar: columns that are mostly mixtures of red and blue.
+  int x = 0, top = 300, bottom = 0;
+  for (int i = 0; i < 400; ++i)
+    for (int j = 0, count = 0; j < 300; ++j) {
+      const std::uint32_t c = at(*pixels, i, j);
+      count += c >> 24 == 255 && (c >> 8 & 255) < 4;
+      if (count > 100) x = i;
+    }
+  for (int j = 0; j < 300; ++j)
+    if (const std::uint32_t c = at(*pixels, x, j); c >> 24 == 255 && (c >> 8 & 255) < 4)
+      top = std::min(top, j), bottom = j;
+  ASSERT_GT(bottom - top, 100);
+  for (int j = top + 3; j < bottom - 3; ++j) {
+    const double value = double(bottom + 1 - j - 0.5) / double(bottom + 1 - top);
+    EXPECT_NEAR(double(at(*pixels, x, j) >> 16 & 255) / 255.0, value, 0.02) << j;
+    EXPECT_NEAR(double(at(*pixels, x, j) & 255) / 255.0, 1.0 - value, 0.02) << j;
+  }
+}
+
+TEST(Legend, TextIsInsideThePage) {
+  Scene scene;
+  ValueColors values = values_of(-123456.0f, 123456.0f);
+  values.missing_count = 3;
+  scene.value_colors = std::make_shared<ValueColors>(values);
+  const auto layers =
+      legends_of({.color_bar = true, .scale_bar = true, .axes = true, .title = "A rather long title (unit)"}, scene,
+                 orthographic_camera({1, 2, 3}, {}, {0, 1, 0}, 2.0f, 1.0f), 500, 500);
+  ASSERT_TRUE(layers) << layers.error().message;
+  const auto pixels = pixels_of(*layers, 500, 500);
+  ASSERT_TRUE(pixels) << pixels.error().message;
+  for (int k = 0; k < 500; ++k) {
+    EXPECT_EQ(at(*pixels, k, 2), 0u);
+    EXPECT_EQ(at(*pixels, 497, k), 0u);
+    EXPECT_EQ(at(*pixels, k, 497), 0u);
+    EXPECT_EQ(at(*pixels, 2, k), 0u);
+  }
+}
+
+TEST(Legend, IsBlendedOverThePicture) {
+  Image picture(4, 2);
+  for (const char* name : {"color.r", "color.g", "color.b"}) picture.add(name) = Plane(4, 2, 1.0f);
+  const PagePixels pixels{1, 5, 2, 1, {0xff000000u, 0x80008000u}};  // black; half green
+  const Image drawn = drawn_over(std::move(picture), pixels, 4);
+  EXPECT_EQ(drawn.plane("color.r").at(1, 1), 0.0f);
+  EXPECT_NEAR(drawn.plane("color.r").at(2, 1), 0.498f, 1e-3f);
+  EXPECT_NEAR(drawn.plane("color.g").at(2, 1), 1.0f, 1e-3f);
+  EXPECT_EQ(drawn.plane("color.r").at(1, 0), 1.0f);
+  EXPECT_EQ(drawn.plane("color.r").at(3, 1), 1.0f);
+}
+
+/// A quadrilateral whose corners have the values 0 to 3.
+std::string model_with_values() {
+  const std::string file = test::temporary("values.ply");
+  std::ofstream(file)
+      << "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+         "property float p\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+         "0 0 0 0\n1 0 0 1\n1 1 0 2\n0 1 0 3\n4 0 1 2 3\n";
+  return file;
+}
+
+std::string bytes_of(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST(Figure, HasItsSizeOnPaper) {
+  const std::string model = model_with_values(), png = test::temporary("size.png"), jpg = test::temporary("size.jpg");
+  const std::string size = " --print-size 25.4,12.7 --dpi 200 --color-by p --color-bar --scale-bar --axes -o ";
+  ASSERT_EQ(test::run_program(model + size + png).code, 0);
+  const auto picture = read_image(png);
+  ASSERT_TRUE(picture);
+  EXPECT_EQ(picture->width, 200);
+  EXPECT_EQ(picture->height, 100);
+  EXPECT_NE(bytes_of(png).find(std::string("pHYs\0\0\x1e\xc2\0\0\x1e\xc2\1", 13)), std::string::npos)
+      << "7874 per metre";
+  ASSERT_EQ(test::run_program(model + size + jpg).code, 0);
+  EXPECT_NE(bytes_of(jpg).find(std::string("JFIF\0\1\1\1\0\xc8\0\xc8", 12)), std::string::npos) << "200 per inch";
+}
+
+TEST(Figure, LegendsHaveAFileOfTheirOwn) {
+  const std::string model = model_with_values(), plain = test::temporary("plain.png"), png = test::temporary("own.png");
+  const std::string legend = test::temporary("legend.png"), pdf = test::temporary("legend.pdf");
+  const std::string words = model + kSmall + " --color-by p ";
+  ASSERT_EQ(test::run_program(words + "-o " + plain).code, 0);
+  ASSERT_EQ(test::run_program(words + "--color-bar --legend " + legend + " -o " + png).code, 0);
+  EXPECT_EQ(bytes_of(plain), bytes_of(png));
+  const auto picture = read_image(legend);
+  ASSERT_TRUE(picture);
+  const Plane& alpha = picture->plane("color.a");
+  EXPECT_EQ(alpha.at(2, 2), 0.0f);
+  float max = 0.0f;
+  for (int y = 0; y < alpha.height; ++y)
+    max = std::max(max, *std::max_element(alpha.row(y), alpha.row(y) + alpha.width));
+  EXPECT_GT(max, 0.99f);
+  ASSERT_EQ(test::run_program(words + "--color-bar --color-bar-title Druck --legend " + pdf + " -o " + png).code, 0);
+  const std::string text = test::temporary("legend.txt");
+  ASSERT_EQ(std::system(fmt::format("pdftotext '{}' '{}'", pdf, text).c_str()), 0);
+  EXPECT_NE(bytes_of(text).find("Druck"), std::string::npos) << bytes_of(text);
+}
+
+TEST(Figure, WrongOptionsAreRefused) {
+  const std::string model = model_with_values(), out = " -o " + test::temporary("refused.png");
+  const std::pair<const char*, const char*> cases[] = {
+      {" --color-bar", "--color-by"},
+      {" --color-bar-title T --color-by p", "--color-bar"},
+      {" --legend a.png", "--color-bar, --scale-bar or --axes"},
+      {" --axes --legend a.txt", ".png, .svg or .pdf"},
+      {" --print-size 80", "width and height in mm"},
+      {" --print-size 80,0", "width and height in mm"},
+      {" --print-size 4000,4000 --dpi 9000", "lower --dpi"},
+      {" --print-size 80,60 --resolution 64,64", "--resolution"},
+      {" --axes --passes depth", "--legend"},
+      {" --dpi 0", "--dpi"},
+  };
+  for (const auto& [words, sentence] : cases) {
+    const auto run = test::run_program(model + words + out);
+    EXPECT_EQ(run.code, 2) << words;
+    EXPECT_NE(run.error.find(sentence), std::string::npos) << words << ": " << run.error;
+  }
+}
+
+}  // namespace
+}  // namespace umbrage::cli
