@@ -48,7 +48,7 @@ namespace {
 /// The samples of a plan while they are drawn.
 struct Samples {
   Plan plan;  ///< set to the current picture
-  Drawing drawing;
+  PictureDrawing drawing;
   Average average = {};
   std::optional<Frame> first = {};  ///< the frame of sample 0, in the end
 };
@@ -260,7 +260,7 @@ Result<Frame> draw_technique(Device& device, const Scene& scene, const Plan& pla
   const Camera camera = begin_picture(plan, {});
   DrawProgress progress(monitor, steps_of_picture(plan));
   LookRun run = run_of_technique(plan.recipe, plan.given.names);
-  const Drawing drawing{device, times, progress, look_run(plan.recipe)};
+  const PictureDrawing drawing{device, times, progress, look_run(plan.recipe)};
   report_to(progress, times, run);
   run.run_external_effect = reference_of(device, scene, plan, run.monitor);
   auto frame = drawing.capture(plan, camera);

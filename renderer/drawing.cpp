@@ -33,7 +33,7 @@ std::size_t steps_of_picture(const Plan& plan) {
   return 1 + steps_of(look_run(plan.recipe)).size() + plan.lines.size();
 }
 
-Result<Frame> Drawing::capture(const Plan& plan, const Camera& camera) const {
+Result<Frame> PictureDrawing::capture(const Plan& plan, const Camera& camera) const {
   auto frame =
       is_captured(plan) ? Result<Frame>(device.branch(*captured)) : device.capture(camera, plan.capture, run.monitor);
   if (!frame) return frame;
@@ -73,7 +73,7 @@ bool meters_picture(const Plan& plan) {
   });
 }
 
-Result<std::optional<float>> metered_exposure(const Drawing& drawing, const Plan& plan) {
+Result<std::optional<float>> metered_exposure(const PictureDrawing& drawing, const Plan& plan) {
   if (drawing.run.stops || !meters_picture(plan)) return drawing.run.stops;
   const DrawProgress::Part part(drawing.progress, 0.0, 0.0);
   Plan small = plan.metered ? *plan.metered : plan;

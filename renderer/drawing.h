@@ -59,7 +59,7 @@ std::size_t steps_of_picture(const Plan& plan);
 RunExternalEffect reference_of(Device& device, const Scene& scene, const Plan& plan, const ProgressMonitor& monitor);
 
 /// What all pictures of a plan share while they are drawn.
-struct Drawing {
+struct PictureDrawing {
   Device& device;
   StageTimes& times;
   DrawProgress& progress;
@@ -84,6 +84,6 @@ bool meters_picture(const Plan& plan);
 /// Returns the stops that metering adds to the exposure; those of drawing.run if it has any. They are metered on a
 /// small picture of Plan::metered, or of the plan's own view, in which blended surfaces are opaque. Empty if nothing is
 /// metered on a picture. Errors: kInterrupted; the errors of the device.
-Result<std::optional<float>> metered_exposure(const Drawing& drawing, const Plan& plan);
+Result<std::optional<float>> metered_exposure(const PictureDrawing& drawing, const Plan& plan);
 
 }  // namespace umbrage

@@ -174,7 +174,7 @@ Result<Plane> whole_plane(Device& device, const Frame& frame, const std::string&
 
 /// Returns the opacity of blended surfaces along the rays of the first sample in these rows, captured in strips if the
 /// device can, which takes less memory.
-Result<PixelMask> opacity_of(const Drawing& drawing, const Plan& plan, const Camera& camera, const Rows& rows) {
+Result<PixelMask> opacity_of(const PictureDrawing& drawing, const Plan& plan, const Camera& camera, const Rows& rows) {
   constexpr int kRows = 128;
   const bool in_strips = drawing.device.draws_strips();
   Plan opacity = plan;
@@ -208,7 +208,7 @@ Margin reach_of_front(const Plan& plan, const PictureInfo& info) {
 
 /// Completes the first sample with its blended surfaces, in strips if the device can: captures them and runs the look
 /// on them. Adds their marks to `marks`, which begin at first.rows.
-Result<void> add_front(const Drawing& drawing, Plan plan, Plane& marks, FirstSample& first) {
+Result<void> add_front(const PictureDrawing& drawing, Plan plan, Plane& marks, FirstSample& first) {
   const PictureInfo& info = first.behind.info;
   const bool in_strips = drawing.device.draws_strips();
   const DrawProgress::Part part(drawing.progress, 1.0 / plan.pictures(), 2.0 / plan.pictures());
@@ -249,7 +249,7 @@ Result<void> add_front(const Drawing& drawing, Plan plan, Plane& marks, FirstSam
 }
 
 /// Completes the first sample of marked_average.
-Result<FirstSample> completed(const Drawing& drawing, const Plan& plan, Frame& behind) {
+Result<FirstSample> completed(const PictureDrawing& drawing, const Plan& plan, Frame& behind) {
   FirstSample first{.behind = behind};
   first.rows = plan.capture.strip ? plan.capture.strip->rows : Rows{0, behind.info.height};
   auto marks = whole_plane(drawing.device, behind, "marks");
@@ -290,8 +290,8 @@ Result<Average> begin_average(Device& device, const Plan& plan, const FirstSampl
 
 /// Draws a further sample and adds it to the average. The plan is set to the sample, and to the strip of it that is
 /// drawn.
-Result<void> add_further(const Drawing& drawing, const Plan& plan, const Camera& camera, const FirstSample& first,
-                         Average& average) {
+Result<void> add_further(const PictureDrawing& drawing, const Plan& plan, const Camera& camera,
+                         const FirstSample& first, Average& average) {
   Device& device = drawing.device;
   Rows front_rows = first.front_rows;
   if (const auto& strip = plan.capture.strip)
@@ -344,7 +344,7 @@ std::vector<Rows> strips_of_further(const Device& device, const Plan& plan, cons
 
 }  // namespace
 
-Result<Average> marked_average(const Drawing& drawing, const Plan& plan, Frame& behind) {
+Result<Average> marked_average(const PictureDrawing& drawing, const Plan& plan, Frame& behind) {
   Device& device = drawing.device;
   auto first = completed(drawing, plan, behind);
   if (!first) return first.error();

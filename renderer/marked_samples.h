@@ -27,8 +27,8 @@ EffectStep marking_step(const Plan& plan, const PictureInfo& info);
 void add_margins_for_further(const Plan& plan, const PictureInfo& info, Margins& after);
 
 /// Returns the average of a plan's samples, or of the strip of them to which the plan is set. `behind`: the first
-/// sample without blended surfaces, captured by Drawing::capture, on which the look has run; drawing.run has its stops.
-/// Its averaged picture is released.
-Result<Average> marked_average(const Drawing& drawing, const Plan& plan, Frame& behind);
+/// sample without blended surfaces, captured by PictureDrawing::capture, on which the look has run; drawing.run has its
+/// stops. Its averaged picture is released.
+Result<Average> marked_average(const PictureDrawing& drawing, const Plan& plan, Frame& behind);
 
 }  // namespace umbrage

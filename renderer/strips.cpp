@@ -169,7 +169,7 @@ Result<Strokes> draw_strips(Device& device, const Plan& planned, int rows, const
   const std::vector<std::string> planes = with_background_planes(plan, requested);
   // Marked samples are drawn with the strips of the first one.
   DrawProgress progress(monitor, steps_of_picture(plan) * std::size_t(plan.marked ? plan.pictures() : 1));
-  Drawing drawing{device, times, progress, look_run(plan.recipe)};
+  PictureDrawing drawing{device, times, progress, look_run(plan.recipe)};
   report_to(progress, times, drawing.run);
   Camera camera;  // of the current picture
   StripSource source = source_of(plan);
