@@ -216,7 +216,7 @@ Result<HostBufferPtr> Memory::host(VkDeviceSize bytes, bool uniform) {
 Result<DrawnImagePtr> Memory::image(int width, int height, VkFormat format, VkImageUsageFlags usage,
                                     VkImageAspectFlags aspect) {
   const auto& vk = gpu_->vk;
-  DrawnImage result;
+  AttachmentImage result;
   VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
   create.imageType = VK_IMAGE_TYPE_2D;
   create.format = format;
@@ -251,13 +251,13 @@ Result<DrawnImagePtr> Memory::image(int width, int height, VkFormat format, VkIm
     done = vk.CreateImageView(gpu_->device, &view, nullptr, &result.view);
   }
   if (done != VK_SUCCESS) return failed(vulkan_error(done, "allocated memory for a picture"));
-  return DrawnImagePtr(new DrawnImage(result), [self = shared_from_this()](const DrawnImage* image) {
+  return DrawnImagePtr(new AttachmentImage(result), [self = shared_from_this()](const AttachmentImage* image) {
     self->destroy(*image);
     delete image;
   });
 }
 
-void Memory::destroy(const DrawnImage& image) {
+void Memory::destroy(const AttachmentImage& image) {
   device_bytes_ -= image.size;
   if (image.view) gpu_->vk.DestroyImageView(gpu_->device, image.view, nullptr);
   if (image.image) gpu_->vk.DestroyImage(gpu_->device, image.image, nullptr);

@@ -30,13 +30,13 @@ struct DevicePlane {
   VkDeviceAddress address = 0;
 };
 /// A render target with its own memory.
-struct DrawnImage {
+struct AttachmentImage {
   VkImage image = VK_NULL_HANDLE;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   VkImageView view = VK_NULL_HANDLE;
   VkDeviceSize size = 0;
 };
-using DrawnImagePtr = std::shared_ptr<const DrawnImage>;
+using DrawnImagePtr = std::shared_ptr<const AttachmentImage>;
 
 using DevicePlanePtr = std::shared_ptr<const DevicePlane>;
 using HostBufferPtr = std::shared_ptr<const Block>;
@@ -91,7 +91,7 @@ class Memory : public std::enable_shared_from_this<Memory> {
   Result<VkDeviceMemory> allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags required,
                                   VkMemoryPropertyFlags preferred, bool addressed);
   void destroy(Block& block);
-  void destroy(const DrawnImage& image);
+  void destroy(const AttachmentImage& image);
   Result<void> add_slab(VkDeviceSize plane_bytes);
   /// Frees all slabs that contain no plane in use.
   Result<void> free_empty_slabs();

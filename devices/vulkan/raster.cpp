@@ -12,7 +12,7 @@ constexpr VkAccessFlags kColorAccess = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_
 constexpr VkAccessFlags kDepthAccess =
     VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
 
-VkImageMemoryBarrier image_barrier(const DrawnImage& image, VkImageAspectFlags aspect, VkAccessFlags source_access,
+VkImageMemoryBarrier image_barrier(const AttachmentImage& image, VkImageAspectFlags aspect, VkAccessFlags source_access,
                                    VkAccessFlags target_access, VkImageLayout from, VkImageLayout to) {
   VkImageMemoryBarrier barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
   barrier.srcAccessMask = source_access;
