@@ -1,20 +1,36 @@
 #include "apps/cli/line_file.h"
 
+#include "core/gbuffer.h"
 #include "effects/hatching/hatching.h"
 #include "effects/output/output.h"
+#include "io/drawing_file.h"
 #include "io/image_file.h"
 #include "looks/looks.h"
 
 namespace umbrage::cli {
+namespace {
+
+bool is_dxf(const std::string& file) { return drawing_extension(file) == "dxf"; }
+
+Result<void> write_lines_to(const std::string& file, const LineFile& lines, const Strokes& traced,
+                            const Camera& camera) {
+  auto drawing = drawing_of(traced, lines.style);
+  if (!drawing) return drawing.error();
+  if (is_dxf(file) && camera.projection == Projection::kOrthographic)
+    drawing->mm_per_unit = (camera.top - camera.bottom) / drawing->height;
+  return write_drawing(file, *drawing);
+}
+
+}  // namespace
 
 void choose_line_look(RenderOptions& o) {
   constexpr const char* kLineLook = "cartoon";
-  if (is_svg(o.output) && !o.is_given("look")) o.request.look = kLineLook;
+  if (is_drawing(o.output) && !o.is_given("look")) o.request.look = kLineLook;
 }
 
 Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
   LineFile lines;
-  lines.alone = is_svg(o.output);
+  lines.alone = is_drawing(o.output);
   if (lines.alone && !o.svg.empty())
     return field_error("--svg", o.svg,
                        "{} '{}' writes lines beside a picture, and --output '{}' has no picture: give one of them",
@@ -22,8 +38,8 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
   if (lines.alone && o.writes_passes())
     return field_error("passes", o.text_of("passes"),
                        "`{}` {} needs a file that holds planes, such as .exr, and '{}' holds lines alone", o.output);
-  if (!o.svg.empty() && !is_svg(o.svg))
-    return field_error("--svg", o.svg, "{} cannot be '{}': it takes a file whose name ends in .svg");
+  if (!o.svg.empty() && !is_drawing(o.svg))
+    return field_error("--svg", o.svg, "{} cannot be '{}': it takes a file whose name ends in .svg or .dxf");
   const char* option = lines.alone ? "--output" : "--svg";
   lines.file = lines.alone ? o.output : o.svg;
   if (!lines) return lines;
@@ -45,6 +61,7 @@ Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, L
   lines.params = std::move(*params);
   lines.style.color = stroke_color(lines.params);
   lines.style.opacity = stroke_opacity(lines.params);
+  lines.style.varies = !is_dxf(lines.file);
   if (!o.request.background || o.request.transparent) return {};
   const auto& output = params_of<OutputParams>(recipe.settings);
   lines.style.background = {output.background_r, output.background_g, output.background_b};
@@ -58,15 +75,23 @@ void disable_unused_effects(const StrokeParameters& lines, Request& request) {
   request.occlusion_scale.clear();
 }
 
+void print_line_notes(const LineFile& lines, const Camera& camera) {
+  if (is_dxf(lines.file) && camera.projection == Projection::kPerspective)
+    print_warning(
+        fmt::format("'{}' shows a perspective view, which has no scale: --camera-orthographic gives a drawing "
+                    "in the units of the model",
+                    lines.file));
+}
+
 Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame) {
   const auto traced = traced_strokes(device, frame, lines.params);
   if (!traced) return traced.error();
   const bool numbered = !lines.names.after.empty();
-  return write_svg(numbered ? lines.names.of(frame_number) : lines.file, *traced, lines.style);
+  return write_lines_to(numbered ? lines.names.of(frame_number) : lines.file, lines, *traced, inner_camera(frame.info));
 }
 
-Result<void> write_lines(const LineFile& lines, const Strokes& traced) {
-  return write_svg(lines.file, traced, lines.style);
+Result<void> write_lines(const LineFile& lines, const Strokes& traced, const Camera& camera) {
+  return write_lines_to(lines.file, lines, traced, camera);
 }
 
 }  // namespace umbrage::cli

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "core/lists.h"
-#include "io/svg.h"
+#include "io/drawing_file.h"
 #include "renderer/passes.h"
 #include "renderer/written_passes.h"
 #include "scene/readers/whole_file.h"
@@ -84,10 +84,10 @@ VideoSettings video_settings(const RenderOptions& o, int width, int height) {
 }
 
 Result<std::string> extension_of(const std::string& file) {
-  if (is_svg(file)) return std::string("svg");
+  if (is_drawing(file)) return drawing_extension(file);
   const auto format = format_of(file);
   if (!format)
-    return field_error("--output", file, "{2}; or .svg, for lines; or .mp4, .webm or .gif, for several frames",
+    return field_error("--output", file, "{2}; or .svg or .dxf, for lines; or .mp4, .webm or .gif, for several frames",
                        format.error().message);
   return std::string((*format)->extension);
 }

@@ -85,7 +85,7 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
   };
   auto written =
       lines.alone ? make([](const Image&) { return Result<void>(); }) : write_rows(destination, shape, settings, make);
-  if (written && lines) written = write_lines(lines, traced);
+  if (written && lines) written = write_lines(lines, traced, plan.camera);
   line.wipe();
   if (written) print_hints(recipe, statistics, scene);
   return written;
@@ -269,6 +269,7 @@ Result<void> render_scene(const RenderOptions& o, RenderJob& job, const std::sha
   if (!strips) return strips.error();
   if (auto ready = device->prepare(*scene); !ready) return ready;
   line.reset();
+  print_line_notes(job.lines, plan->camera);
   times.done("prepare");
   if (strips->exceeds)
     print_warning(fmt::format(
@@ -338,14 +339,16 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
       ->group("Picture");
   const auto output = "Output";
   command
-      ->add_option("-o,--output", options->output,
-                   "file to write: .png, .jpg, .webp, .exr or .pfm; .svg for only the lines, by default those of the "
-                   "look cartoon; - for a PNG on standard output; with --turntable, --camera-path or --animate also "
-                   ".mp4, .webm or .gif")
+      ->add_option(
+          "-o,--output", options->output,
+          "file to write: .png, .jpg, .webp, .exr or .pfm; .svg or .dxf for only the lines, by default those of "
+          "the look cartoon; - for a PNG on standard output; with --turntable, --camera-path or --animate also "
+          ".mp4, .webm or .gif")
       ->type_name("FILE")
       ->required()
       ->group(output);
-  command->add_option("--svg", options->svg, "also write the look's lines as curves to this .svg file")
+  command
+      ->add_option("--svg,--drawing", options->svg, "also write the look's lines as curves to this .svg or .dxf file")
       ->type_name("FILE")
       ->group(output);
   add_frame_options(*command, *options);

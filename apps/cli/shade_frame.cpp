@@ -18,7 +18,7 @@
 #include "gbuffers/roles.h"
 #include "io/format.h"
 #include "io/layers.h"
-#include "io/svg.h"
+#include "io/drawing_file.h"
 #include "renderer/passes.h"
 
 namespace umbrage::cli {
@@ -247,8 +247,8 @@ Result<void> prepare_shading(ShadeOptions& o, const std::string& output) {
     if (auto status = check_piped(o); !status) return status;
   if (video)
     if (auto status = check_video(output, video_settings(o, 0, 0)); !status) return status;
-  if (is_svg(output))
-    return field_error("--output", output, "umbrage shade writes no .svg: '{1}' must be a picture, such as .png");
+  if (is_drawing(output))
+    return field_error("--output", output, "umbrage shade writes no .svg or .dxf: '{1}' must be a picture, such as .png");
   if (!piped)
     if (auto writable = check_writable(output); !writable) return with_field(writable.error(), "--output");
   const auto extension = piped   ? Result<std::string>("png")
