@@ -51,6 +51,14 @@ using Direction = std::array<float, 2>;  // a unit vector
 inline float length_of(float x, float y) { return std::sqrt(x * x + y * y); }
 /// Returns the length of a chain, plus about a third of a pixel for each end.
 float length_of(const Chain& chain);
+/// Returns the distance of each point along a polyline from its first.
+template <class Point>
+std::vector<float> distances_along(const std::vector<Point>& points) {
+  std::vector<float> along = {0.0f};
+  for (std::size_t k = 1; k < points.size(); ++k)
+    along.push_back(along.back() + length_of(points[k].x - points[k - 1].x, points[k].y - points[k - 1].y));
+  return along;
+}
 /// Returns the direction of a chain at a point, estimated from a few points on either side.
 Direction chain_direction_at(const Chain& chain, int point);
 /// Returns the direction in which a chain would continue beyond an end.

@@ -61,4 +61,10 @@ void connect_ends(Tracing& t);
 /// by less than 1/10 of a pixel.
 std::vector<StrokePoint> simplified(const std::vector<StrokePoint>& points);
 
+/// Returns the dashes of a line, solid strokes; of a solid line the line itself. Dashes and gaps are scaled so that an
+/// open line begins and ends with a dash.
+std::vector<Stroke> dashes_of(const Stroke& line);
+/// Returns lines with their dashes in place of dashed ones.
+Strokes with_dashes(const Strokes& lines);
+
 }  // namespace umbrage

@@ -25,11 +25,11 @@ struct DrawnPath {
   float x = 0.0f, y = 0.0f;  ///< where it starts
   std::vector<DrawnSegment> segments;
   bool closed = false;
-  std::optional<DrawnColor> stroke, fill;  ///< areas are filled by the even-odd rule
+  std::optional<DrawnColor> stroke, fill;  ///< areas are filled by the non-zero rule
   float width = 1.0f;                      ///< of the stroke
   bool round = true;                       ///< ends of the stroke; joins are always round
   std::vector<float> dashes;               ///< lengths of dashes and gaps in turn; empty: solid
-  std::vector<DrawnPath> holes = {};       ///< further closed outlines of an area
+  std::vector<DrawnPath> holes = {};       ///< of an area: further closed outlines, which run the other way round
 };
 
 enum class TextAnchor { kStart, kMiddle, kEnd };
@@ -54,10 +54,11 @@ struct DrawnImage {
 using DrawnShape = std::variant<DrawnPath, DrawnText, DrawnImage>;
 
 /// Shapes that belong together: a group of an SVG file, a layer of a DXF file. Later layers and shapes are on top.
+/// Successive layers of one opacity are blended as one: where they overlap they are not darker.
 struct DrawnLayer {
   std::string name;      ///< "outline", "hidden", "color-bar"
   int object = -1;       ///< object id, or -1
-  float opacity = 1.0f;  ///< of the layer as a whole
+  float opacity = 1.0f;  ///< of all its shapes as a group
   std::vector<DrawnShape> shapes;
 };
 

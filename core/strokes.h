@@ -11,7 +11,7 @@ enum class StrokeKind {
   kCrease,      ///< two faces meet at an angle
   kHatch,       ///< hatching along a surface
   kCrossHatch,  ///< hatching that crosses other hatching
-  kHidden,      ///< a dash of an edge behind the visible surface
+  kHidden,      ///< an edge behind the visible surface
 };
 
 struct StrokePoint {
@@ -25,6 +25,7 @@ struct Stroke {
   int object = 0;                          ///< object_id of the nearer surface at its middle
   bool closed = false;                     ///< the last point equals the first
   std::vector<StrokePoint> points;
+  float dash = 0.0f, gap = 0.0f;  ///< lengths in pixels of a dashed line, which begins with a dash; 0: solid
 };
 
 struct Strokes {

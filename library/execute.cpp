@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "chains/trace.h"
 #include "core/lists.h"
 #include "effects/output/output.h"
 #include "gbuffers/conventions.h"
@@ -175,7 +176,7 @@ Result<void> JobObject::execute() {
   if (!stroke_settings.empty()) {
     auto found = traced_strokes(*device_->device, *frame, stroke_settings);
     if (!found) return found.error();
-    traced = std::move(*found);
+    traced = with_dashes(*found);
     for (Stroke& stroke : traced.strokes)
       for (StrokePoint& point : stroke.points)
         for (float* value : {&point.x, &point.y, &point.width}) *value /= float(recipe.reduction);

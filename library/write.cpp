@@ -3,8 +3,9 @@
 #include <bit>
 
 #include "core/color.h"
+#include "io/drawing_file.h"
+#include "io/drawing_of_strokes.h"
 #include "io/image_file.h"
-#include "io/svg.h"
 #include "library/object.h"
 #include "library/shared.h"
 #include "library/shared_gbuffer.h"
@@ -111,7 +112,8 @@ Result<void> write_images(const std::string& file, std::span<const std::pair<std
 
 Result<void> write_strokes(const std::string& file, int width, int height, std::span<const UmbStroke> strokes,
                            const float rgb[3], float opacity) {
-  if (!is_svg(file)) return usage_error("strokes cannot be written to '{}': they take a .svg file", file);
+  if (drawing_extension(file) != "svg")
+    return usage_error("strokes cannot be written to '{}': they take a .svg file", file);
   if (!(opacity > 0.0f)) return usage_error("there are no strokes to write to '{}': their opacity is 0", file);
   if (width < 1 || height < 1) return usage_error("there is no picture to write to '{}'", file);
   if (auto writable = check_writable(file); !writable) return writable;
@@ -128,7 +130,8 @@ Result<void> write_strokes(const std::string& file, int width, int height, std::
     for (std::size_t k = 0; k < stroke.point_count; ++k)
       made.points.push_back({stroke.points[k].x, stroke.points[k].y, stroke.points[k].width});
   }
-  return write_svg(file, all, {.color = {rgb[0], rgb[1], rgb[2]}, .opacity = opacity});
+  const auto drawing = drawing_of(all, {.color = {rgb[0], rgb[1], rgb[2]}, .opacity = opacity});
+  return drawing ? write_drawing(file, *drawing) : drawing.error();
 }
 
 /// Implements umbWriteImages and umbWriteImagesOfView.

@@ -16,8 +16,6 @@ namespace {
 constexpr double kMmPerInch = 25.4, kScreenDpi = 96.0, kPrintDpi = 300.0;
 constexpr double kMaxMm = 5000.0;
 
-bool is_pdf(const std::filesystem::path& file) { return lowercase(file.extension().string()) == ".pdf"; }
-
 /// Sets the size of the picture in pixels. Errors: kUsage.
 Result<void> apply_print_size(RenderOptions& o) {
   const std::string& text = o.figure.print_size;
@@ -88,8 +86,9 @@ Result<void> apply_figure_options(RenderOptions& o) {
   if (!legend.any() && !figure.legend_file.empty())
     return field_error("--legend", figure.legend_file, "{} '{}' needs --color-bar, --scale-bar or --axes");
   if (!figure.legend_file.empty()) {
-    const std::string extension = lowercase(std::filesystem::path(figure.legend_file).extension().string());
-    if (extension != ".png" && extension != ".svg" && extension != ".pdf")
+    const std::string page = page_extension(figure.legend_file);
+    if (page != "svg" && page != "pdf" &&
+        lowercase(std::filesystem::path(figure.legend_file).extension().string()) != ".png")
       return field_error("--legend", figure.legend_file,
                          "{} cannot be '{}': it takes a file whose name ends in .png, .svg or .pdf");
     if (auto writable = check_writable(figure.legend_file); !writable)
@@ -101,23 +100,33 @@ Result<void> apply_figure_options(RenderOptions& o) {
     return field_error("passes", o.text_of("passes"),
                        "`{}` {} are values without legends: give --legend a file of its own");
   if (const auto extension = extension_of(o.output);
-      extension && !holds_display_values(*extension) && *extension != "svg" && *extension != "pdf")
+      extension && !holds_display_values(*extension) && !is_page(o.output))
     return field_error("--output", o.output, "{} '{}' holds light, not a picture with legends: give --legend a file");
   return {};
+}
+
+Drawing Legends::page_of(const Image& picture, float mm_per_pixel) const {
+  Drawing page{.width = float(picture.width),
+               .height = float(picture.height),
+               .mm_per_unit = mm_per_pixel,
+               .background = {},
+               .layers = {{.name = "picture", .object = -1, .opacity = 1.0f, .shapes = {image_of(picture)}}}};
+  if (!own_file) page.layers.insert(page.layers.end(), layers.begin(), layers.end());
+  return page;
 }
 
 Result<Legends> make_legends(const RenderOptions& o, const Scene& scene, const Camera& camera, const Recipe& recipe) {
   if (!o.figure.legend.any()) return Legends();
   LegendSettings settings = o.figure.legend;
-  const bool has_own_file = !o.figure.legend_file.empty();
+  Legends legends{.layers = {}, .own_file = !o.figure.legend_file.empty(), .pixels = {}};
   const auto& output = params_of<OutputParams>(recipe.settings);
-  settings.ink = ink_on(has_own_file || o.request.transparent
+  settings.ink = ink_on(legends.own_file || o.request.transparent
                             ? DrawnColor{1.0f, 1.0f, 1.0f}
                             : DrawnColor{output.background_r, output.background_g, output.background_b});
   auto layers = legends_of(settings, scene, camera, recipe.width, recipe.height);
   if (!layers) return layers.error();
-  Legends legends{std::move(*layers), {}};
-  if (has_own_file) return legends;
+  legends.layers = std::move(*layers);
+  if (legends.own_file || is_page(o.output)) return legends;
   auto pixels = pixels_of(legends.layers, recipe.width, recipe.height);
   if (!pixels) return pixels.error();
   legends.pixels = std::move(*pixels);
@@ -127,12 +136,12 @@ Result<Legends> make_legends(const RenderOptions& o, const Scene& scene, const C
 Result<void> write_legends(const RenderOptions& o, const Legends& legends, const Recipe& recipe) {
   const std::filesystem::path file = o.figure.legend_file;
   if (file.empty()) return {};
-  const Drawing drawing{.width = float(recipe.width),
-                        .height = float(recipe.height),
-                        .mm_per_unit = o.figure.mm_per_pixel(),
-                        .background = {},
-                        .layers = legends.layers};
-  if (is_pdf(file)) return write_pdf(file, drawing);
+  if (is_page(file))
+    return write_page(file, {.width = float(recipe.width),
+                             .height = float(recipe.height),
+                             .mm_per_unit = o.figure.mm_per_pixel(),
+                             .background = {},
+                             .layers = legends.layers});
   const auto pixels = pixels_of(legends.layers, recipe.width, recipe.height);
   if (!pixels) return pixels.error();
   Image picture(recipe.width, recipe.height);

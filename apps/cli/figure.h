@@ -35,7 +35,11 @@ Result<void> apply_figure_options(RenderOptions& o);
 /// The legends of a picture.
 struct Legends {
   std::vector<DrawnLayer> layers;
-  PagePixels pixels;  ///< of the layers; empty if they have a file of their own
+  bool own_file = false;  ///< they are not drawn in the picture
+  PagePixels pixels;      ///< of the layers, for a picture that is no page of vector graphics
+
+  /// Returns a page with a picture, and above it the legends that are drawn in the picture.
+  Drawing page_of(const Image& picture, float mm_per_pixel) const;
 };
 
 /// Returns the legends that the options ask for, in the colour that the background of the recipe needs. `camera`: of

@@ -1,20 +1,55 @@
 #include "apps/cli/line_file.h"
 
+#include "core/gbuffer.h"
 #include "effects/hatching/hatching.h"
 #include "effects/output/output.h"
+#include "io/drawing_file.h"
 #include "io/image_file.h"
 #include "looks/looks.h"
 
 namespace umbrage::cli {
+namespace {
+
+bool is_dxf(const std::string& file) { return drawing_extension(file) == "dxf"; }
+
+Result<void> write_lines_to(const std::string& file, const LineFile& lines, const Strokes& traced, const Camera& camera,
+                            const Legends& legends) {
+  auto drawing = drawing_of(traced, lines.style);
+  if (!drawing) return drawing.error();
+  drawing->mm_per_unit = is_dxf(file) && camera.projection == Projection::kOrthographic
+                             ? (camera.top - camera.bottom) / drawing->height
+                             : lines.mm_per_pixel;
+  if (lines.alone && !legends.own_file)
+    drawing->layers.insert(drawing->layers.end(), legends.layers.begin(), legends.layers.end());
+  return write_page(file, *drawing);
+}
+
+/// Returns whether a look has lines that can be curves.
+bool has_lines(const Look& look) {
+  return std::any_of(look.effects.begin(), look.effects.end(), [](std::string_view name) {
+    const Effect* effect = find_effect(name);
+    return effect && !effect->without_lines.empty();
+  });
+}
+
+/// Returns whether a file of vector graphics holds the whole picture, as an image.
+bool holds_picture(const RenderOptions& o) {
+  if (!is_page(o.output) || is_dxf(o.output)) return false;
+  const Look* look = find_look(o.request.look);
+  return !o.request.color_by.empty() || (look && !has_lines(*look));
+}
+
+}  // namespace
 
 void choose_line_look(RenderOptions& o) {
   constexpr const char* kLineLook = "cartoon";
-  if (is_svg(o.output) && !o.is_given("look")) o.request.look = kLineLook;
+  if (is_page(o.output) && !o.is_given("look") && o.request.color_by.empty()) o.request.look = kLineLook;
 }
 
 Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
   LineFile lines;
-  lines.alone = is_svg(o.output);
+  lines.alone = is_page(o.output) && !holds_picture(o);
+  lines.mm_per_pixel = o.figure.mm_per_pixel();
   if (lines.alone && !o.svg.empty())
     return field_error("--svg", o.svg,
                        "{} '{}' writes lines beside a picture, and --output '{}' has no picture: give one of them",
@@ -22,8 +57,8 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
   if (lines.alone && o.writes_passes())
     return field_error("passes", o.text_of("passes"),
                        "`{}` {} needs a file that holds planes, such as .exr, and '{}' holds lines alone", o.output);
-  if (!o.svg.empty() && !is_svg(o.svg))
-    return field_error("--svg", o.svg, "{} cannot be '{}': it takes a file whose name ends in .svg");
+  if (!o.svg.empty() && !is_page(o.svg))
+    return field_error("--svg", o.svg, "{} cannot be '{}': it takes a file whose name ends in .svg, .pdf or .dxf");
   const char* option = lines.alone ? "--output" : "--svg";
   lines.file = lines.alone ? o.output : o.svg;
   if (!lines) return lines;
@@ -45,6 +80,7 @@ Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, L
   lines.params = std::move(*params);
   lines.style.color = stroke_color(lines.params);
   lines.style.opacity = stroke_opacity(lines.params);
+  lines.style.varies = !is_dxf(lines.file);
   if (!o.request.background || o.request.transparent) return {};
   const auto& output = params_of<OutputParams>(recipe.settings);
   lines.style.background = {output.background_r, output.background_g, output.background_b};
@@ -58,15 +94,25 @@ void disable_unused_effects(const StrokeParameters& lines, Request& request) {
   request.occlusion_scale.clear();
 }
 
-Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame) {
+void print_line_notes(const LineFile& lines, const Camera& camera) {
+  if (is_dxf(lines.file) && camera.projection == Projection::kPerspective)
+    print_warning(
+        fmt::format("'{}' shows a perspective view, which has no scale: --camera-orthographic gives a drawing "
+                    "in the units of the model",
+                    lines.file));
+}
+
+Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame,
+                         const Legends& legends) {
   const auto traced = traced_strokes(device, frame, lines.params);
   if (!traced) return traced.error();
   const bool numbered = !lines.names.after.empty();
-  return write_svg(numbered ? lines.names.of(frame_number) : lines.file, *traced, lines.style);
+  return write_lines_to(numbered ? lines.names.of(frame_number) : lines.file, lines, *traced, inner_camera(frame.info),
+                        legends);
 }
 
-Result<void> write_lines(const LineFile& lines, const Strokes& traced) {
-  return write_svg(lines.file, traced, lines.style);
+Result<void> write_lines(const LineFile& lines, const Strokes& traced, const Camera& camera, const Legends& legends) {
+  return write_lines_to(lines.file, lines, traced, camera, legends);
 }
 
 }  // namespace umbrage::cli

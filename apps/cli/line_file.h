@@ -1,11 +1,13 @@
-// The lines of a picture as an .svg file: -o lines.svg (lines alone) or --svg lines.svg (in addition to the picture).
+// The lines of a picture as a .svg or .dxf file: -o lines.svg (lines alone) or --svg lines.svg (in addition to the
+// picture).
 #pragma once
 #include <string>
 
 #include "apps/cli/frame_names.h"
 #include "apps/cli/render_options.h"
+#include "core/camera.h"
 #include "core/strokes.h"
-#include "io/svg.h"
+#include "io/drawing_of_strokes.h"
 #include "renderer/strokes.h"
 
 namespace umbrage::cli {
@@ -16,7 +18,8 @@ struct LineFile {
   bool alone = false;       ///< the lines are the only output
   FrameNames names;         ///< file names of a turntable's frames
   StrokeParameters params;  ///< parameters of the effects that draw lines
-  SvgStyle style;
+  LineStyle style;
+  float mm_per_pixel = 0.0f;  ///< physical size
 
   explicit operator bool() const { return !file.empty(); }
 };
@@ -36,9 +39,15 @@ Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, L
 /// if its radius is given, since the hint about the radius needs it, and for hatching, which draws it.
 void disable_unused_effects(const StrokeParameters& lines, Request& request);
 
-/// Traces the lines of a frame and writes them. Errors: kFile; those of Device::download.
-Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame);
-/// Writes lines that were traced while a picture was drawn in strips. Errors: kFile.
-Result<void> write_lines(const LineFile& lines, const Strokes& traced);
+/// Prints a note if the lines have no scale that can be measured in their file.
+void print_line_notes(const LineFile& lines, const Camera& camera);
+
+/// Traces the lines of a frame and writes them, with the legends if they are the only output. In parallel projection a
+/// .dxf file is in the units of the scene, else in millimetres of a picture with 96 pixels per inch. Errors: kFile;
+/// those of Device::download.
+Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame,
+                         const Legends& legends);
+/// Writes lines that were traced while a picture of this camera was drawn in strips. Errors: kFile.
+Result<void> write_lines(const LineFile& lines, const Strokes& traced, const Camera& camera, const Legends& legends);
 
 }  // namespace umbrage::cli

@@ -109,6 +109,7 @@ nlohmann::json list_formats() {
     records.push_back(
         {{"name", fmt::format(".{}", format.extension)}, {"summary", fmt::format("{}, written", format.summary)}});
   records.push_back({{"name", ".svg"}, {"summary", "lines as curves, written by render"}});
+  records.push_back({{"name", ".dxf"}, {"summary", "lines as a CAD drawing (R12), written by render"}});
   return records;
 }
 

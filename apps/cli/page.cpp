@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "io/drawing_file.h"
 #include "io/format.h"
 #include "system/child_process.h"
 
@@ -182,7 +183,39 @@ cairo_status_t append(void* stream, const unsigned char* data, unsigned length) 
   return written ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
 }
 
+Result<void> write_pdf(const std::filesystem::path& file, const Drawing& drawing) {
+  if (has_text(drawing.layers) && !font()) return no_font();
+  constexpr double kPointsPerMm = 72.0 / 25.4;
+  const double scale = kPointsPerMm * drawing.mm_per_unit;
+  return write_atomically(file, [&](std::FILE* stream) -> Result<void> {
+    const Surface page(
+        cairo_pdf_surface_create_for_stream(append, stream, scale * drawing.width, scale * drawing.height),
+        cairo_surface_destroy);
+    const Context context(cairo_create(page.get()), cairo_destroy);
+    cairo_scale(context.get(), scale, scale);
+    if (drawing.background) {
+      set_color(context.get(), *drawing.background);
+      cairo_paint(context.get());
+    }
+    draw(context.get(), drawing.layers);
+    cairo_show_page(context.get());
+    cairo_surface_finish(page.get());
+    for (const auto status : {cairo_status(context.get()), cairo_surface_status(page.get())})
+      if (status != CAIRO_STATUS_SUCCESS)
+        return file_error("'{}' cannot be written: {}", file.string(), cairo_status_to_string(status));
+    return {};
+  });
+}
+
 }  // namespace
+
+std::string page_extension(const std::filesystem::path& file) {
+  return lowercase_extension(file) == "pdf" ? "pdf" : drawing_extension(file);
+}
+
+Result<void> write_page(const std::filesystem::path& file, const Drawing& drawing) {
+  return page_extension(file) == "pdf" ? write_pdf(file, drawing) : write_drawing(file, drawing);
+}
 
 Result<float> text_width(std::string_view text, float size) {
   if (!font()) return no_font();
@@ -259,30 +292,6 @@ DrawnImage image_of(const Image& picture) {
                   &image.rgba[4 * (std::size_t(y) * std::size_t(picture.width) + x)]);
   }
   return image;
-}
-
-Result<void> write_pdf(const std::filesystem::path& file, const Drawing& drawing) {
-  if (has_text(drawing.layers) && !font()) return no_font();
-  constexpr double kPointsPerMm = 72.0 / 25.4;
-  const double scale = kPointsPerMm * drawing.mm_per_unit;
-  return write_atomically(file, [&](std::FILE* stream) -> Result<void> {
-    const Surface page(
-        cairo_pdf_surface_create_for_stream(append, stream, scale * drawing.width, scale * drawing.height),
-        cairo_surface_destroy);
-    const Context context(cairo_create(page.get()), cairo_destroy);
-    cairo_scale(context.get(), scale, scale);
-    if (drawing.background) {
-      set_color(context.get(), *drawing.background);
-      cairo_paint(context.get());
-    }
-    draw(context.get(), drawing.layers);
-    cairo_show_page(context.get());
-    cairo_surface_finish(page.get());
-    for (const auto status : {cairo_status(context.get()), cairo_surface_status(page.get())})
-      if (status != CAIRO_STATUS_SUCCESS)
-        return file_error("'{}' cannot be written: {}", file.string(), cairo_status_to_string(status));
-    return {};
-  });
 }
 
 }  // namespace umbrage::cli

@@ -36,8 +36,12 @@ Image drawn_over(Image picture, const PagePixels& pixels, int first_row);
 /// page.
 DrawnImage image_of(const Image& picture);
 
-/// Writes a drawing as a PDF file of one page, of the drawing's physical size, atomically. Errors: kFile, also if the
-/// font is not installed.
-Result<void> write_pdf(const std::filesystem::path& file, const Drawing& drawing);
+/// Returns the extension of a file of vector graphics in lower case, "svg", "pdf" or "dxf"; empty for other files.
+std::string page_extension(const std::filesystem::path& file);
+inline bool is_page(const std::filesystem::path& file) { return !page_extension(file).empty(); }
+
+/// Writes a drawing in the format of the file's extension, atomically: a .pdf has one page of the drawing's physical
+/// size. Errors: those of write_drawing (io/drawing_file.h); kFile if the font is not installed.
+Result<void> write_page(const std::filesystem::path& file, const Drawing& drawing);
 
 }  // namespace umbrage::cli

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <map>
 
+#include "apps/cli/page.h"
 #include "core/lists.h"
-#include "io/svg.h"
 #include "renderer/passes.h"
 #include "renderer/written_passes.h"
 #include "scene/readers/whole_file.h"
@@ -84,12 +84,17 @@ VideoSettings video_settings(const RenderOptions& o, int width, int height) {
 }
 
 Result<std::string> extension_of(const std::string& file) {
-  if (is_svg(file)) return std::string("svg");
+  if (is_page(file)) return page_extension(file);
   const auto format = format_of(file);
   if (!format)
-    return field_error("--output", file, "{2}; or .svg, for lines; or .mp4, .webm or .gif, for several frames",
+    return field_error("--output", file,
+                       "{2}; or .svg, .pdf or .dxf, for lines and figures; or .mp4, .webm or .gif, for several frames",
                        format.error().message);
   return std::string((*format)->extension);
+}
+
+std::string Destination::extension() const {
+  return video || file == kStandardOutput || is_page(file) ? "png" : *extension_of(file);
 }
 
 bool holds_display_values(std::string_view extension) {

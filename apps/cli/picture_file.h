@@ -35,7 +35,8 @@ struct Destination {
   std::string file;        ///< file name or kStandardOutput
   Video* video = nullptr;  ///< if not null, receives the picture as a frame, and `file` is not written
   PictureInfo first_info;  ///< info of the first frame of a turntable
-  std::string extension() const { return video || file == kStandardOutput ? "png" : *extension_of(file); }
+  /// Returns the extension of a file that holds the same picture: of a page of vector graphics, "png".
+  std::string extension() const;
 };
 
 /// Writes a picture, whose rows `make` delivers, to the file or to standard output.

@@ -89,7 +89,7 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
   };
   auto written =
       lines.alone ? make([](const Image&) { return Result<void>(); }) : write_rows(destination, shape, settings, make);
-  if (written && lines) written = write_lines(lines, traced);
+  if (written && lines) written = write_lines(lines, traced, plan.camera, *legends);
   if (written) written = write_legends(o, *legends, recipe);
   line.wipe();
   if (written) print_hints(recipe, statistics, scene);
@@ -99,8 +99,9 @@ Result<void> draw_into_file(const RenderOptions& o, const RenderJob& job, Device
 /// Sets what follows from the format of the file: a scene-linear picture in .exr, and the passes of the preset
 /// `beauty`. Errors: kUsage.
 Result<void> choose_picture(RenderOptions& o) {
-  const auto extension =
-      is_video(o.output) || o.output == kStandardOutput ? Result<std::string>("png") : extension_of(o.output);
+  const auto extension = is_video(o.output) || o.output == kStandardOutput || is_page(o.output)
+                             ? Result<std::string>("png")
+                             : extension_of(o.output);
   if (extension) o.request.values = values_for(o, *extension);
   auto& passes = o.request.passes;
   const auto preset = std::find(passes.begin(), passes.end(), "beauty");
@@ -224,6 +225,8 @@ Result<StripSizes> planned_strips(const RenderOptions& o, RenderJob& job, const 
                       "--memory", o.memory);
   };
   if (o.writes_only("all")) return too_large("--passes", " all", "name the passes, or raise --memory");
+  if (is_page(o.output) && !job.lines.alone)
+    return too_large("--output", o.output, "raise --memory, or write a .png, which can be drawn in strips");
   if (o.time_s > 0.0) return too_large("--time", "", "raise --memory, or lower --resolution");
   if (job.output.is_moving()) return too_large(job.output.option(), "", "raise --memory, or lower --resolution");
   return strips;
@@ -279,6 +282,7 @@ Result<void> render_scene(const RenderOptions& o, RenderJob& job, const std::sha
   if (!strips) return strips.error();
   if (auto ready = device->prepare(*scene); !ready) return ready;
   line.reset();
+  print_line_notes(job.lines, plan->camera);
   times.done("prepare");
   if (strips->exceeds)
     print_warning(fmt::format(
@@ -350,14 +354,17 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
       ->group("Picture");
   const auto output = "Output";
   command
-      ->add_option("-o,--output", options->output,
-                   "file to write: .png, .jpg, .webp, .exr or .pfm; .svg for only the lines, by default those of the "
-                   "look cartoon; - for a PNG on standard output; with --turntable, --camera-path or --animate also "
-                   ".mp4, .webm or .gif")
+      ->add_option(
+          "-o,--output", options->output,
+          "file to write: .png, .jpg, .webp, .exr or .pfm; .svg, .pdf or .dxf for only the lines, by default those of "
+          "the look cartoon, or .svg or .pdf for a picture without lines or with --color-by; - for a PNG on standard "
+          "output; with --turntable, --camera-path or --animate also .mp4, .webm or .gif")
       ->type_name("FILE")
       ->required()
       ->group(output);
-  command->add_option("--svg", options->svg, "also write the look's lines as curves to this .svg file")
+  command
+      ->add_option("--svg,--drawing", options->svg,
+                   "also write the look's lines as curves to this .svg, .pdf or .dxf file")
       ->type_name("FILE")
       ->group(output);
   add_frame_options(*command, *options);

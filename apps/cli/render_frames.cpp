@@ -236,11 +236,14 @@ Result<void> draw_frame(FrameDrawing& all, const FrameTask& task, StageTimes& ti
     all.is_first = false;
   }
   if (!task.writes) return {};
+  const Camera camera = inner_camera(frame.info);
+  const auto legends = make_legends(o, all.scene, camera, job.recipe);
+  if (!legends) return legends.error();
   if (job.lines) {
-    if (auto written = write_lines(job.lines, task.frame, all.device, frame); !written) return written;
+    if (auto written = write_lines(job.lines, task.frame, all.device, frame, *legends); !written) return written;
     times.done("lines");
   }
-  if (job.lines.alone) return {};
+  if (job.lines.alone) return write_legends(o, *legends, job.recipe);
   Destination destination = all.destination;
   if (job.output.is_sequence()) destination.file = job.output.names.of(task.frame);
   const auto names = o.writes_passes() ? pass_planes_of(o, all.device.plane_names(frame), frame.info)
@@ -249,7 +252,6 @@ Result<void> draw_frame(FrameDrawing& all, const FrameTask& task, StageTimes& ti
   const auto image = download_passes(all.device, frame, *names);
   if (!image) return image.error();
   lock.unlock();
-  const Camera camera = inner_camera(frame.info);
   const glm::dmat4 view = view_from_file(camera.view_from_world, all.scene.origin);
   const WriteSettings settings{.bits = o.bits(),
                                .half = o.half,
@@ -258,13 +260,10 @@ Result<void> draw_frame(FrameDrawing& all, const FrameTask& task, StageTimes& ti
                                .threads = all.device.threads(),
                                .camera = &camera,
                                .view_from_world = &view};
-  const auto legends = make_legends(o, all.scene, camera, job.recipe);
-  if (!legends) return legends.error();
-  auto written = write_picture(
-      destination,
-      drawn_over(convert_for_file(o, destination, *image, *names, job.recipe.settings, destination.first_info),
-                 legends->pixels, 0),
-      settings);
+  Image shown = convert_for_file(o, destination, *image, *names, job.recipe.settings, destination.first_info);
+  auto written = is_page(destination.file)
+                     ? write_page(destination.file, legends->page_of(shown, o.figure.mm_per_pixel()))
+                     : write_picture(destination, drawn_over(std::move(shown), legends->pixels, 0), settings);
   if (written && task.frame == job.output.frames.front()) written = write_legends(o, *legends, job.recipe);
   times.done("write");
   return written;

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "apps/cli/output.h"
+#include "apps/cli/page.h"
 #include "apps/cli/picture_file.h"
 #include "core/guarded.h"
 #include "core/lists.h"
@@ -18,7 +19,6 @@
 #include "gbuffers/roles.h"
 #include "io/format.h"
 #include "io/layers.h"
-#include "io/svg.h"
 #include "renderer/passes.h"
 
 namespace umbrage::cli {
@@ -247,8 +247,9 @@ Result<void> prepare_shading(ShadeOptions& o, const std::string& output) {
     if (auto status = check_piped(o); !status) return status;
   if (video)
     if (auto status = check_video(output, video_settings(o, 0, 0)); !status) return status;
-  if (is_svg(output))
-    return field_error("--output", output, "umbrage shade writes no .svg: '{1}' must be a picture, such as .png");
+  if (is_page(output))
+    return field_error("--output", output,
+                       "umbrage shade writes no .svg, .pdf or .dxf: '{1}' must be a picture, such as .png");
   if (!piped)
     if (auto writable = check_writable(output); !writable) return with_field(writable.error(), "--output");
   const auto extension = piped   ? Result<std::string>("png")

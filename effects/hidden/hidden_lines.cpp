@@ -31,31 +31,6 @@ int object_at(const HostFrame& frame, const StrokePoint& p) {
   return -1;
 }
 
-/// Appends the part of a polyline between two distances along it. `along` holds the distance of each point.
-void append_part(const std::vector<StrokePoint>& points, const std::vector<float>& along, float from, float to,
-                 std::vector<StrokePoint>& part) {
-  const auto at = [&](float distance) {
-    const auto next = std::upper_bound(along.begin(), along.end(), distance);
-    const auto k = std::size_t(std::clamp<std::ptrdiff_t>(next - along.begin(), 1, std::ptrdiff_t(along.size()) - 1));
-    const StrokePoint &a = points[k - 1], &b = points[k];
-    const float f = std::clamp((distance - along[k - 1]) / std::max(along[k] - along[k - 1], 1e-6f), 0.0f, 1.0f);
-    return StrokePoint{a.x + f * (b.x - a.x), a.y + f * (b.y - a.y), a.width + f * (b.width - a.width)};
-  };
-  part.push_back(at(from));
-  for (std::size_t k = 0; k < points.size(); ++k)
-    if (along[k] > from && along[k] < to) part.push_back(points[k]);
-  part.push_back(at(to));
-}
-
-/// Returns the distance of each point along a polyline from its first.
-template <class Point>
-std::vector<float> distances_along(const std::vector<Point>& points) {
-  std::vector<float> along = {0.0f};
-  for (std::size_t k = 1; k < points.size(); ++k)
-    along.push_back(along.back() + length_of(points[k].x - points[k - 1].x, points[k].y - points[k - 1].y));
-  return along;
-}
-
 /// Calls use(first, last) for each run of points whose flag is `value`.
 template <class Use>
 void for_runs(const std::vector<std::uint8_t>& flags, std::uint8_t value, const Use& use) {
@@ -151,22 +126,6 @@ void drop_speckle(Tracing& t, float max_px, float reach) {
 
 }  // namespace
 
-std::vector<Stroke> dashes_of(const Stroke& line, float dash_px, float gap_px) {
-  if (line.points.size() < 2 || !(gap_px > 0.0f)) return {line};
-  const std::vector<float> along = distances_along(line.points);
-  const float length = along.back(), missing = line.closed ? 0.0f : gap_px;  // an open line has one gap less
-  const float count = std::max(std::round((length + missing) / (dash_px + gap_px)), 1.0f);
-  const float stretch = length / (count * (dash_px + gap_px) - missing);
-  const float dash = dash_px * stretch, period = (dash_px + gap_px) * stretch;
-  std::vector<Stroke> dashes;
-  for (int k = 0; k < int(count); ++k) {
-    const float from = float(k) * period;
-    Stroke& part = dashes.emplace_back(Stroke{line.kind, line.object, false, {}});
-    append_part(line.points, along, std::min(from, length), std::min(from + dash, length), part.points);
-  }
-  return dashes;
-}
-
 Strokes hidden_lines(const HostFrame& frame) {
   const auto& c = *static_cast<const HiddenConstants*>(frame.constants);
   const int width = frame.frame.width, height = frame.frame.height;
@@ -184,16 +143,14 @@ Strokes hidden_lines(const HostFrame& frame) {
   connect_ends(t);
   draw_once(t, std::max(c.width_px, kOneLine), kHiddenMinBranch * c.scale, kHiddenMaxGap * c.scale);
   drop_speckle(t, kSpeckle * (c.dash_px + c.gap_px), kCrowd * c.dash_px);
-  std::vector<std::vector<Stroke>> dashes(t.chains.size());
+  all.strokes.resize(t.chains.size());
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t k) {
-    Stroke line{.kind = StrokeKind::kHidden, .closed = t.chains[k].closed};
+    Stroke& line = all.strokes[k];
+    line = {.kind = StrokeKind::kHidden, .closed = t.chains[k].closed, .dash = c.dash_px, .gap = c.gap_px};
     for (const ChainPoint& p : t.chains[k].points) line.points.push_back({p.x, p.y, c.width_px});
     line.points = simplified(line.points);
     line.object = object_at(frame, line.points[line.points.size() / 2]);
-    dashes[k] = dashes_of(line, c.dash_px, c.gap_px);
   });
-  for (std::vector<Stroke>& lines : dashes)
-    for (Stroke& line : lines) all.strokes.push_back(std::move(line));
   return all;
 }
 

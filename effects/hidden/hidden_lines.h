@@ -14,10 +14,7 @@ namespace umbrage {
 /// has an edge there. Edges within two pixels of an edge of the visible surface are left out.
 std::vector<Edge> hidden_edges(const HostFrame& frame, const HiddenConstants& constants);
 
-/// Returns a polyline's dashes. Their length and distance are scaled so that an open line begins and ends with a dash.
-std::vector<Stroke> dashes_of(const Stroke& line, float dash_px, float gap_px);
-
-/// Returns the dashes of the hidden lines of a picture, from the inputs of the host step. The result does not depend on
+/// Returns the hidden lines of a picture, dashed, from the inputs of the host step. The result does not depend on
 /// the number of threads.
 Strokes hidden_lines(const HostFrame& frame);
 

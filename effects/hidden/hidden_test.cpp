@@ -7,6 +7,7 @@
 #include <array>
 #include <vector>
 
+#include "chains/trace.h"
 #include "effects/outline/outline_test_scenes.h"
 
 namespace umbrage::test {
@@ -264,8 +265,8 @@ TEST(Hidden, LinesOfTheInputRemain) {
 
 TEST(Hidden, OpenLinesBeginAndEndWithADash) {
   for (const float length : {3.0f, 12.0f, 20.0f, 47.0f, 400.0f}) {
-    const Stroke line{StrokeKind::kHidden, 4, false, {{0, 1, 2}, {0.25f * length, 1, 2}, {length, 1, 2}}};
-    const std::vector<Stroke> dashes = dashes_of(line, 10.0f, 6.0f);
+    const Stroke line{StrokeKind::kHidden, 4, false, {{0, 1, 2}, {0.25f * length, 1, 2}, {length, 1, 2}}, 10.0f, 6.0f};
+    const std::vector<Stroke> dashes = dashes_of(line);
     EXPECT_EQ(dashes.front().points.front().x, 0.0f) << length;
     EXPECT_NEAR(dashes.back().points.back().x, length, 1e-4 * length) << length;
     for (std::size_t k = 0; k < dashes.size(); ++k) {
@@ -279,7 +280,7 @@ TEST(Hidden, OpenLinesBeginAndEndWithADash) {
       }
     }
   }
-  EXPECT_EQ(dashes_of({StrokeKind::kHidden, 0, true, {{0, 0, 1}, {30, 0, 1}, {0, 0, 1}}}, 9.0f, 6.0f).size(), 4u);
+  EXPECT_EQ(dashes_of({StrokeKind::kHidden, 0, true, {{0, 0, 1}, {30, 0, 1}, {0, 0, 1}}, 9.0f, 6.0f}).size(), 4u);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "chains/chains.h"
+#include "chains/trace.h"
 
 namespace umbrage {
 namespace {
@@ -57,7 +58,7 @@ void draw_lines(const Strokes& lines, float opacity, const HostPlane& cover) {
 
 void add_lines(const Strokes& lines, const HostFrame& frame) {
   const HostPlane &before = frame.input("outline"), &cover = frame.output("outline");
-  draw_lines(lines, 1.0f, cover);
+  draw_lines(with_dashes(lines), 1.0f, cover);
   tbb::parallel_for(0, frame.frame.height, [&](int y) {
     for (int x = 0; x < frame.frame.width; ++x) cover.row(y)[x] = std::max(cover.row(y)[x], before.row(y)[x]);
   });

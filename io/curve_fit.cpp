@@ -1,0 +1,418 @@
+#include "io/curve_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <optional>
+
+namespace umbrage {
+namespace {
+
+using glm::dvec2;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kMaxSamples = 20000.0;   // per stroke
+constexpr double kMaxInTolerances = 3.0;  // max distance of a sample, in tolerances
+constexpr double kCornerSine = 0.3;       // of 17 degrees: pieces that turn more meet at a corner
+constexpr double kMinForward = -0.6;      // cosine of 127 degrees, the max turn of a rounded corner
+constexpr double kCornerPiece = 10.0;     // pixels: a shorter piece between two others may be a rounded corner
+constexpr double kHook = 2.5;             // pixels: a shorter piece at an end is where the line was joined to another
+constexpr double kCornerReach = 2.5;      // pixels: max distance of a corner from the samples beside it
+constexpr double kMinSharpness = 4.0;     // min ratio of the curvatures of a rounded corner and of its sides
+constexpr double kRounding = 0.6;         // pixels: max distance of a sharp corner from the one that tracing rounded
+constexpr std::size_t kTrim = 3;          // samples at each end of a piece that may lie in a rounded corner
+constexpr std::size_t kMinTrimmed = 24;   // samples: min length of a piece that is not fitted to them
+constexpr double kMinGain = 1.15;         // min ratio of the lengths of an arc and of a line in its place
+constexpr double kMinArc = 3.0;           // pixels by which an arc must be longer, too
+constexpr double kMaxRadius = 1e5;        // pixels
+
+double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
+dvec2 left_of(dvec2 d) { return {-d.y, d.x}; }
+
+using Samples = std::vector<CurveSample>;
+
+Samples samples_of(const Stroke& stroke) {
+  Samples all;
+  double length = 0.0;
+  const auto at = [&](std::size_t k) { return dvec2(stroke.points[k].x, stroke.points[k].y); };
+  for (std::size_t k = 1; k < stroke.points.size(); ++k) length += glm::distance(at(k), at(k - 1));
+  const double step = std::max(1.0, length / kMaxSamples);
+  all.push_back({at(0), stroke.points[0].width});
+  for (std::size_t k = 1; k < stroke.points.size(); ++k) {
+    const double distance = glm::distance(at(k), at(k - 1));
+    if (!(distance > 1e-6)) continue;
+    const int parts = int(std::ceil(distance / step));
+    for (int i = 1; i <= parts; ++i) {
+      const double f = double(i) / parts, a = stroke.points[k - 1].width, b = stroke.points[k].width;
+      all.push_back({at(k - 1) + f * (at(k) - at(k - 1)), a + f * (b - a)});
+    }
+  }
+  return all;
+}
+
+dvec2 mean_of(const Samples& s, std::size_t first, std::size_t last) {
+  dvec2 sum(0.0);
+  for (std::size_t k = first; k <= last; ++k) sum += s[k].at;
+  return sum / double(last - first + 1);
+}
+
+/// How a polyline is fitted.
+struct Fitting {
+  double tolerance;
+  bool sharpens;  ///< corners were rounded by tracing
+};
+
+/// Samples that a piece is fitted to, inclusive: without its ends if these may lie in a rounded corner.
+struct FitRange {
+  std::size_t first, last;
+
+  FitRange(std::size_t from, std::size_t to, const Fitting& fitting) : first(from), last(to) {
+    if (fitting.sharpens && to - from >= kMinTrimmed) first += kTrim, last -= kTrim;
+  }
+};
+
+/// Returns the line with the smallest squared distances to samples.
+FittedCurve line_through(const Samples& s, FitRange range) {
+  const auto [first, last] = range;
+  FittedCurve line{.center = mean_of(s, first, last)};
+  double xx = 0.0, xy = 0.0, yy = 0.0;
+  for (std::size_t k = first; k <= last; ++k) {
+    const dvec2 d = s[k].at - line.center;
+    xx += d.x * d.x, xy += d.x * d.y, yy += d.y * d.y;
+  }
+  const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  line.along = {std::cos(angle), std::sin(angle)};
+  if (glm::dot(line.along, s[last].at - s[first].at) < 0.0) line.along = -line.along;
+  return line;
+}
+
+/// Returns the circle with the smallest squared distances to samples: an algebraic fit, improved by Gauss-Newton steps.
+/// Returns nothing where they are straight.
+std::optional<FittedCurve> circle_through(const Samples& s, FitRange range) {
+  const auto [first, last] = range;
+  if (last - first < 3) return {};
+  const dvec2 mean = mean_of(s, first, last);
+  const auto count = double(last - first + 1);
+  double xx = 0.0, xy = 0.0, yy = 0.0, xz = 0.0, yz = 0.0, zz = 0.0;
+  for (std::size_t k = first; k <= last; ++k) {
+    const dvec2 d = s[k].at - mean;
+    const double z = glm::dot(d, d);
+    xx += d.x * d.x, xy += d.x * d.y, yy += d.y * d.y, xz += d.x * z, yz += d.y * z, zz += z;
+  }
+  double det = xx * yy - xy * xy;
+  if (!(det > 1e-9 * zz * zz)) return {};
+  FittedCurve c{.center = dvec2(yy * xz - xy * yz, xx * yz - xy * xz) / (2.0 * det)};
+  const auto radius = [&] {
+    double sum = 0.0;
+    for (std::size_t k = first; k <= last; ++k) sum += glm::distance(s[k].at - mean, c.center);
+    return sum / count;
+  };
+  c.radius = radius();
+  for (int step = 0; step < 4; ++step) {
+    dvec2 normal_mean(0.0);
+    for (std::size_t k = first; k <= last; ++k) normal_mean += glm::normalize(s[k].at - mean - c.center);
+    normal_mean /= count;
+    double a = 0.0, b = 0.0, d = 0.0, u = 0.0, v = 0.0;
+    for (std::size_t k = first; k <= last; ++k) {
+      const dvec2 to = s[k].at - mean - c.center;
+      const dvec2 j = glm::normalize(to) - normal_mean;
+      const double off = glm::length(to) - c.radius;
+      a += j.x * j.x, b += j.x * j.y, d += j.y * j.y, u += j.x * off, v += j.y * off;
+    }
+    det = a * d - b * b;
+    if (!(det > 1e-14 * (a + d) * (a + d))) break;
+    c.center += dvec2(d * u - b * v, a * v - b * u) / det;
+    c.radius = radius();
+  }
+  c.center += mean;
+  if (!(c.radius < kMaxRadius)) return {};
+  double turn = 0.0;
+  for (std::size_t k = first; k < last; ++k) turn += cross(s[k].at - c.center, s[k + 1].at - c.center);
+  c.turns_right = turn > 0.0;
+  return c;
+}
+
+/// Returns whether samples are near a curve and run along it in one direction, a circle at most once.
+bool fits_samples(const FittedCurve& c, const Samples& s, std::size_t first, std::size_t last, const Fitting& how) {
+  const FitRange inner(first, last, how);
+  double squares = 0.0, forward = 0.0, back = 0.0;
+  for (std::size_t k = first; k <= last; ++k) {
+    const double off = c.distance(s[k].at);
+    const bool is_inner = k >= inner.first && k <= inner.last;
+    if (!(std::abs(off) <= (is_inner ? kMaxInTolerances * how.tolerance : kRounding))) return false;
+    if (!is_inner) continue;
+    squares += off * off;
+    if (k == inner.first) continue;
+    const double step = glm::dot(s[k].at - s[k - 1].at, c.direction(0.5 * (s[k].at + s[k - 1].at)));
+    (step < 0.0 ? back : forward) += std::abs(step);
+  }
+  return squares <= how.tolerance * how.tolerance * double(inner.last - inner.first + 1) && back <= 0.02 * forward &&
+         (c.radius == 0.0 || forward < 2.0 * kPi * c.radius + 1.0);
+}
+
+/// Returns the last sample up to which a line from `first` fits, or a line or an arc; at least the next one.
+std::size_t longest(const Samples& s, std::size_t first, std::size_t end, const Fitting& how, bool or_arc) {
+  const auto good = [&](std::size_t last) {
+    if (fits_samples(line_through(s, {first, last, how}), s, first, last, how)) return true;
+    const auto circle = or_arc ? circle_through(s, {first, last, how}) : std::nullopt;
+    return circle && fits_samples(*circle, s, first, last, how);
+  };
+  std::size_t last = first + 1, step = 4;
+  for (; last + step <= end && good(last + step); step *= 2) last += step;
+  for (; step > 0; step /= 2)
+    if (last + step <= end && good(last + step)) last += step;
+  return last;
+}
+
+/// Returns the curve of samples: a line, or an arc where that is longer. Sets `last`.
+FittedCurve next_curve(const Samples& s, std::size_t first, std::size_t end, const Fitting& how, std::size_t& last) {
+  const std::size_t line_end = longest(s, first, end, how, false);
+  const std::size_t arc_end = line_end < end ? longest(s, first, end, how, true) : line_end;
+  const auto line_length = double(line_end - first), arc_length = double(arc_end - first);
+  last = line_end;
+  if (arc_length > kMinGain * line_length && arc_length > line_length + kMinArc)
+    if (const auto circle = circle_through(s, {first, arc_end, how})) {
+      last = arc_end;
+      return *circle;
+    }
+  return line_through(s, {first, last, how});
+}
+
+std::vector<CurvePiece> greedy_pieces(const Samples& s, const Fitting& how) {
+  std::vector<CurvePiece> pieces;
+  for (std::size_t first = 0; first + 1 < s.size();) {
+    CurvePiece& piece = pieces.emplace_back(CurvePiece{.first = first});
+    piece.curve = next_curve(s, first, s.size() - 1, how, piece.last);
+    first = piece.last;
+  }
+  return pieces;
+}
+
+/// Returns the sine of the angle between two pieces at a sample.
+double turn_at(const CurvePiece& a, const CurvePiece& b, dvec2 near) {
+  const dvec2 from = a.curve.direction(near), to = b.curve.direction(near);
+  const double sine = std::abs(cross(from, to));
+  return glm::dot(from, to) < 0.0 ? 1.0 : sine;
+}
+
+double extent(const Samples& s, const CurvePiece& piece) {
+  double length = 0.0;
+  for (std::size_t k = piece.first; k < piece.last; ++k) length += glm::distance(s[k].at, s[k + 1].at);
+  return length;
+}
+
+/// Moves the sample where two pieces meet to where their curves are equally near.
+void move_break(const Samples& s, CurvePiece& a, CurvePiece& b) {
+  constexpr std::size_t kReach = 12;  // samples
+  const std::size_t from = std::max(a.first + 1, a.last - std::min(a.last, kReach));
+  const std::size_t to = std::min(b.last - 1, b.first + kReach);
+  if (from > to) return;
+  double cost = 0.0, best = 0.0;
+  std::size_t at = from;
+  for (std::size_t k = from + 1; k <= to; ++k) {
+    const double of_a = a.curve.distance(s[k].at), of_b = b.curve.distance(s[k].at);
+    cost += of_a * of_a - of_b * of_b;
+    if (cost < best) best = cost, at = k;
+  }
+  a.last = b.first = at;
+}
+
+/// Fits a piece again to its samples: a line if that is good enough.
+void fit_again(const Samples& s, CurvePiece& piece, const Fitting& how) {
+  const FitRange range(piece.first, piece.last, how);
+  const FittedCurve line = line_through(s, range);
+  if (piece.curve.radius == 0.0 ||
+      fits_samples(line, s, piece.first, piece.last, {0.5 * how.tolerance, how.sharpens})) {
+    piece.curve = line;
+  } else if (const auto circle = circle_through(s, range)) {
+    piece.curve = *circle;
+  }
+}
+
+/// Merges neighbours that one line, or one arc if either is one, fits.
+void merge_pieces(const Samples& s, std::vector<CurvePiece>& pieces, const Fitting& how) {
+  for (std::size_t k = 0; k + 1 < pieces.size();) {
+    CurvePiece &a = pieces[k], &b = pieces[k + 1];
+    std::optional<FittedCurve> curve = line_through(s, {a.first, b.last, how});
+    if (!fits_samples(*curve, s, a.first, b.last, how)) {
+      curve.reset();
+      if (a.curve.radius > 0.0 || b.curve.radius > 0.0) curve = circle_through(s, {a.first, b.last, how});
+      if (curve && !fits_samples(*curve, s, a.first, b.last, how)) curve.reset();
+    }
+    if (!curve) {
+      ++k;
+      continue;
+    }
+    a.curve = *curve, a.last = b.last;
+    pieces.erase(pieces.begin() + std::ptrdiff_t(k) + 1);
+  }
+}
+
+/// Removes short pieces that are rounded corners, and those at the ends of an open polyline where it was joined to
+/// another.
+void sharpen_corners(const Samples& s, std::vector<CurvePiece>& pieces, bool closed) {
+  const auto is_corner = [&](std::size_t k) {
+    const CurvePiece &a = pieces[k - 1], &b = pieces[k + 1], &piece = pieces[k];
+    const dvec2 near = s[(piece.first + piece.last) / 2].at;
+    const double length = extent(s, piece);
+    if (length > kCornerPiece || std::min(extent(s, a), extent(s, b)) < 1.5 * length) return false;
+    const double forward = glm::dot(a.curve.direction(near), b.curve.direction(near));
+    if (turn_at(a, b, near) < kCornerSine || forward < kMinForward) return false;
+    const double bend = std::acos(std::clamp(forward, -1.0, 1.0)) / std::max(length, 1.0);  // as a rounded corner
+    for (const CurvePiece* side : {&a, &b})
+      if (side->curve.radius > 0.0 && side->curve.radius * bend < kMinSharpness) return false;
+    const FittedCurve both[] = {a.curve, b.curve};
+    const dvec2 corner = meeting_point(both, near, kCornerReach);
+    double nearest = kCornerReach, off = 0.0;
+    for (std::size_t i = piece.first; i <= piece.last; ++i) {
+      nearest = std::min(nearest, glm::distance(s[i].at, corner));
+      off = std::max(off, std::min(std::abs(a.curve.distance(s[i].at)), std::abs(b.curve.distance(s[i].at))));
+    }
+    return std::max(nearest, off) < kRounding;
+  };
+  for (std::size_t k = 1; k + 1 < pieces.size();) {
+    if (!is_corner(k)) {
+      ++k;
+      continue;
+    }
+    pieces[k - 1].last = pieces[k + 1].first = (pieces[k].first + pieces[k].last) / 2;
+    pieces.erase(pieces.begin() + std::ptrdiff_t(k));
+  }
+  if (closed) return;
+  const auto is_hook = [&](const CurvePiece& end, const CurvePiece& next, std::size_t at) {
+    return extent(s, end) < kHook && turn_at(end, next, s[at].at) > kCornerSine;
+  };
+  while (pieces.size() > 1 && is_hook(pieces[0], pieces[1], pieces[0].last)) {
+    pieces[1].first = 0;
+    pieces.erase(pieces.begin());
+  }
+  for (std::size_t n = pieces.size(); n > 1 && is_hook(pieces[n - 1], pieces[n - 2], pieces[n - 1].first); --n) {
+    pieces[n - 2].last = pieces[n - 1].last;
+    pieces.pop_back();
+  }
+}
+
+/// Makes the point after the first piece the first of a closed polyline, since it is likely to be a corner.
+void rotate_samples(Samples& s, std::size_t by) {
+  s.pop_back();
+  std::rotate(s.begin(), s.begin() + std::ptrdiff_t(by), s.end());
+  s.push_back(s.front());
+}
+
+/// Fits all pieces again with their final samples, and computes their ends.
+void join_pieces(const Samples& s, std::vector<CurvePiece>& pieces, bool closed, const Fitting& how) {
+  const std::size_t count = pieces.size();
+  const auto next_of = [&](std::size_t k) { return (k + 1) % count; };
+  const std::size_t joints = closed && count > 1 ? count : count - 1;
+  for (std::size_t k = 0; k + 1 < count; ++k) move_break(s, pieces[k], pieces[k + 1]);
+  for (CurvePiece& piece : pieces) fit_again(s, piece, how);
+  const auto projected = [&](const CurvePiece& piece, std::size_t at) {
+    return meeting_point({&piece.curve, 1}, s[at].at, kCornerReach);
+  };
+  pieces.front().from = projected(pieces.front(), pieces.front().first);
+  pieces.back().to = projected(pieces.back(), pieces.back().last);
+  for (std::size_t k = 0; k < joints; ++k) {
+    CurvePiece &a = pieces[k], &b = pieces[next_of(k)];
+    const FittedCurve both[] = {a.curve, b.curve};
+    a.to = b.from = meeting_point(both, s[a.last].at, kCornerReach);
+  }
+}
+
+/// Returns the two halves of a circle, if the samples are one.
+std::vector<CurvePiece> circle_pieces(const Samples& s, const Fitting& how) {
+  const std::size_t last = s.size() - 1, half = last / 2;
+  const auto circle = circle_through(s, {0, last, how});
+  if (!circle || !fits_samples(*circle, s, 0, last, how)) return {};
+  const dvec2 from = meeting_point({&*circle, 1}, s[0].at, kCornerReach), to = 2.0 * circle->center - from;
+  return {{*circle, 0, half, from, to}, {*circle, half, last, to, from}};
+}
+
+}  // namespace
+
+double FittedCurve::distance(dvec2 p) const {
+  return radius == 0.0 ? cross(along, p - center) : glm::distance(p, center) - radius;
+}
+
+dvec2 FittedCurve::normal(dvec2 p) const {
+  if (radius == 0.0) return left_of(along);
+  const double length = glm::distance(p, center);
+  return length > 0.0 ? (p - center) / length : dvec2(1.0, 0.0);
+}
+
+dvec2 FittedCurve::direction(dvec2 p) const {
+  if (radius == 0.0) return along;
+  return turns_right ? left_of(normal(p)) : -left_of(normal(p));
+}
+
+double CurvePiece::angle() const {
+  if (curve.radius == 0.0) return 0.0;
+  const dvec2 a = from - curve.center, b = to - curve.center;
+  double angle = std::atan2(cross(a, b), glm::dot(a, b));
+  if (curve.turns_right && angle < -1e-6) angle += 2.0 * kPi;
+  if (!curve.turns_right && angle > 1e-6) angle -= 2.0 * kPi;
+  return angle;
+}
+
+double CurvePiece::length() const {
+  const double chord = glm::distance(from, to), half = 0.5 * std::abs(angle());
+  return half < 1e-6 ? chord : chord * half / std::sin(half);
+}
+
+dvec2 CurvePiece::direction_at(int end) const {
+  const double chord = glm::distance(from, to), turn = (end ? 0.5 : -0.5) * angle();
+  const dvec2 d = chord > 0.0 ? (to - from) / chord : dvec2(1.0, 0.0);
+  return d * std::cos(turn) + left_of(d) * std::sin(turn);
+}
+
+dvec2 CurvePiece::at(double fraction) const {
+  const double whole = angle();
+  if (std::abs(whole) < 1e-6) return from + fraction * (to - from);
+  // The chord from the start is that of the fraction's angle; it turns by half of that from the start's direction.
+  const double radius = glm::distance(from, to) / (2.0 * std::sin(0.5 * std::abs(whole)));
+  const double turned = fraction * whole, chord = 2.0 * radius * std::sin(0.5 * std::abs(turned));
+  const dvec2 d = direction_at(0);
+  return from + chord * (d * std::cos(0.5 * turned) + left_of(d) * std::sin(0.5 * turned));
+}
+
+dvec2 meeting_point(std::span<const FittedCurve> curves, dvec2 near, double reach) {
+  dvec2 mean(0.0);
+  for (const FittedCurve& c : curves) mean += near - c.distance(near) * c.normal(near);
+  mean /= double(curves.size());
+  const double weight = 0.001 * double(curves.size());  // of `mean`: it decides where curves are nearly parallel
+  dvec2 p = mean;
+  for (int step = 0; step < 6; ++step) {
+    double xx = weight, xy = 0.0, yy = weight, u = weight * (mean.x - p.x), v = weight * (mean.y - p.y);
+    for (const FittedCurve& c : curves) {
+      const dvec2 n = c.normal(p);
+      const double off = c.distance(p);
+      xx += n.x * n.x, xy += n.x * n.y, yy += n.y * n.y, u -= n.x * off, v -= n.y * off;
+    }
+    const double det = xx * yy - xy * xy;
+    p += dvec2(yy * u - xy * v, xx * v - xy * u) / det;
+  }
+  return glm::distance(p, near) <= reach ? p : mean;
+}
+
+CurveFit fit_curve(const Stroke& stroke, double tolerance, bool sharpens) {
+  const Fitting how{tolerance, sharpens};
+  CurveFit fit{samples_of(stroke), {}};
+  Samples& s = fit.samples;
+  if (s.size() < 2) return fit;
+  const bool closed = stroke.closed && s.size() > 3;
+  if (closed) {
+    fit.pieces = circle_pieces(s, how);
+    if (!fit.pieces.empty()) return fit;
+  }
+  fit.pieces = greedy_pieces(s, how);
+  if (closed && fit.pieces.size() > 1) {
+    rotate_samples(s, fit.pieces[0].last);
+    fit.pieces = greedy_pieces(s, how);
+  }
+  if (sharpens) sharpen_corners(s, fit.pieces, closed);
+  merge_pieces(s, fit.pieces, how);
+  join_pieces(s, fit.pieces, closed, how);
+  return fit;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,26 @@
+// Joins the ends of the lines of a drawing.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "core/strokes.h"
+#include "io/stroke_outline.h"
+
+namespace umbrage {
+
+/// A line of a drawing: a stroke, or the part of one between two corners.
+struct Line {
+  const Stroke* stroke = nullptr;
+  SpinePieces pieces;
+  bool closed = false;
+  std::array<bool, 2> joined = {false, false};  ///< whether its start and its end meet other lines
+};
+
+inline bool is_hatching(StrokeKind kind) { return kind == StrokeKind::kHatch || kind == StrokeKind::kCrossHatch; }
+
+/// Moves ends of lines, but for hatching, to where they meet: ends that are within two pixels of each other; then ends
+/// that would reach another end, or the side of another line, if they were up to six or three pixels longer or
+/// shorter. No end moves by more than 0.75 pixels across its line.
+void join_ends(std::vector<Line>& lines);
+
+}  // namespace umbrage
