@@ -20,7 +20,7 @@ struct DrawnSegment {
   bool clockwise = false;    ///< on the page
 };
 
-/// A line or an area. A closed path ends where it starts.
+/// A line or an area. The last segment of a closed path ends where the path starts.
 struct DrawnPath {
   float x = 0.0f, y = 0.0f;  ///< where it starts
   std::vector<DrawnSegment> segments;

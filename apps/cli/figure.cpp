@@ -85,6 +85,8 @@ Result<void> apply_figure_options(RenderOptions& o) {
     return field_error("--color-bar-title", legend.title, "{} '{}' needs --color-bar");
   if (!legend.any() && !figure.legend_file.empty())
     return field_error("--legend", figure.legend_file, "{} '{}' needs --color-bar, --scale-bar or --axes");
+  if (legend.color_bar && o.request.color_by.empty())
+    return field_error("--color-bar", true, "{} shows the values of --color-by, which is not given");
   if (!figure.legend_file.empty()) {
     const std::string page = page_extension(figure.legend_file);
     if (page != "svg" && page != "pdf" &&

@@ -33,7 +33,8 @@ DrawnPath line_of(const Page& page, float x0, float y0, float x1, float y1) {
 }
 
 DrawnPath rectangle(float x, float y, float width, float height) {
-  return {.x = x, .y = y, .segments = {{x + width, y}, {x + width, y + height}, {x, y + height}}, .closed = true};
+  return {
+      .x = x, .y = y, .segments = {{x + width, y}, {x + width, y + height}, {x, y + height}, {x, y}}, .closed = true};
 }
 
 /// Maps a value to the number that is spaced evenly on the scale.
@@ -236,12 +237,13 @@ DrawnLayer axes(const Camera& camera, const Page& page) {
     DrawnPath shaft = line_of(page, x0, y0, base_x, base_y);
     shaft.stroke = color, shaft.width = 1.8f * page.line(), shaft.round = true;
     layer.shapes.emplace_back(std::move(shaft));
-    layer.shapes.emplace_back(
-        DrawnPath{.x = tip_x,
-                  .y = tip_y,
-                  .segments = {{base_x - half * uy, base_y + half * ux}, {base_x + half * uy, base_y - half * ux}},
-                  .closed = true,
-                  .fill = color});
+    layer.shapes.emplace_back(DrawnPath{.x = tip_x,
+                                        .y = tip_y,
+                                        .segments = {{base_x - half * uy, base_y + half * ux},
+                                                     {base_x + half * uy, base_y - half * ux},
+                                                     {tip_x, tip_y}},
+                                        .closed = true,
+                                        .fill = color});
     layer.shapes.emplace_back(DrawnText{.x = tip_x + kLabel * page.font * ux,
                                         .y = tip_y + kLabel * page.font * uy + 0.27f * page.font,
                                         .size = page.font,

@@ -2,7 +2,7 @@
 #include "apps/cli/legend.h"
 
 #include <algorithm>
-#include <fstream>
+#include <cmath>
 
 #include "apps/cli/page.h"
 #include "cli_support.h"
@@ -10,7 +10,7 @@
 namespace umbrage::cli {
 namespace {
 
-using test::kSmall;
+using test::quoted;
 
 ValueColors values_of(float low, float high, ValueColors::Scale scale = ValueColors::Scale::kLinear) {
   return {.name = "p",
@@ -118,75 +118,107 @@ TEST(Legend, IsBlendedOverThePicture) {
   EXPECT_EQ(drawn.plane("color.r").at(3, 1), 1.0f);
 }
 
-/// A quadrilateral whose corners have the values 0 to 3.
-std::string model_with_values() {
-  const std::string file = test::temporary("values.ply");
-  std::ofstream(file)
-      << "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-         "property float p\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-         "0 0 0 0\n1 0 0 1\n1 1 0 2\n0 1 0 3\n4 0 1 2 3\n";
-  return file;
+class Figure : public test::ProgramTest {
+ protected:
+  /// Writes a quadrilateral whose corners have the values 0 to 3.
+  void SetUp() override {
+    ProgramTest::SetUp();
+    write("values.ply",
+          "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+          "property float p\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+          "0 0 0 0\n1 0 0 1\n1 1 0 2\n0 1 0 3\n4 0 1 2 3\n");
+  }
+  std::string bytes(const std::string& name) { return test::text_of(folder_ / name); }
+};
+
+TEST_F(Figure, HasItsSizeOnPaper) {
+  const std::string line =
+      "values.ply --print-size 25.4,12.7 --dpi 200 --color-by p --color-bar --scale-bar --axes -o ";
+  good(line + "a.png");
+  const Image picture = image("a.png");
+  EXPECT_EQ(picture.width, 200);
+  EXPECT_EQ(picture.height, 100);
+  EXPECT_NE(bytes("a.png").find(std::string("pHYs\0\0\x1e\xc2\0\0\x1e\xc2\1", 13)), std::string::npos);  // 7874 / m
+  good(line + "a.jpg");
+  EXPECT_NE(bytes("a.jpg").find(std::string("JFIF\0\1\1\1\0\xc8\0\xc8", 12)), std::string::npos);  // 200 / inch
+  good(line + "a.svg");
+  EXPECT_NE(bytes("a.svg").find("width=\"25.4mm\" height=\"12.7mm\" viewBox=\"0 0 200 100\""), std::string::npos);
+  EXPECT_NE(bytes("a.svg").find(">p</text>"), std::string::npos);
+  good(line + "a.pdf");
+  EXPECT_NE(bytes("a.pdf").find("MediaBox [ 0 0 72 36 ]"), std::string::npos);
 }
 
-std::string bytes_of(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+TEST_F(Figure, SvgAndPdfShowThePicture) {
+  const std::string line = "values.ply --color-by p --color-bar --scale-bar --axes --resolution 320x240 -o ";
+  good(line + "a.png");
+  good(line + "a.svg");
+  good(line + "a.pdf");
+  const std::string folder = quoted(folder_.string());
+  ASSERT_EQ(std::system(fmt::format("cd {} && rsvg-convert a.svg -o svg.png", folder).c_str()), 0);
+  ASSERT_EQ(std::system(fmt::format("cd {} && pdftoppm -singlefile -png -r 96 a.pdf pdf", folder).c_str()), 0);
+  const Image png = image("a.png");
+  for (const char* name : {"svg.png", "pdf.png"}) {
+    const Image page = image(name);
+    ASSERT_EQ(page.width, 320) << name;
+    ASSERT_EQ(page.height, 240) << name;
+    int differ = 0;
+    for (int y = 0; y < 240; ++y)
+      for (int x = 0; x < 320; ++x)
+        for (const char* channel : {"color.r", "color.g", "color.b"})
+          differ += std::abs(page.plane(channel).at(x, y) - png.plane(channel).at(x, y)) > 0.25f;
+    EXPECT_LT(differ, 3 * 320 * 240 / 200) << name;  // edges of letters
+  }
 }
 
-TEST(Figure, HasItsSizeOnPaper) {
-  const std::string model = model_with_values(), png = test::temporary("size.png"), jpg = test::temporary("size.jpg");
-  const std::string size = " --print-size 25.4,12.7 --dpi 200 --color-by p --color-bar --scale-bar --axes -o ";
-  ASSERT_EQ(test::run_program(model + size + png).code, 0);
-  const auto picture = read_image(png);
-  ASSERT_TRUE(picture);
-  EXPECT_EQ(picture->width, 200);
-  EXPECT_EQ(picture->height, 100);
-  EXPECT_NE(bytes_of(png).find(std::string("pHYs\0\0\x1e\xc2\0\0\x1e\xc2\1", 13)), std::string::npos)
-      << "7874 per metre";
-  ASSERT_EQ(test::run_program(model + size + jpg).code, 0);
-  EXPECT_NE(bytes_of(jpg).find(std::string("JFIF\0\1\1\1\0\xc8\0\xc8", 12)), std::string::npos) << "200 per inch";
+TEST_F(Figure, LinesHaveLegends) {
+  good("scene:solids?detail=2000 --resolution 96x96 --axes --scale-bar -o a.svg");
+  EXPECT_NE(bytes("a.svg").find("id=\"axes\""), std::string::npos);
+  good("scene:solids?detail=2000 --resolution 96x96 --axes --legend b.svg -o a.svg");
+  EXPECT_EQ(bytes("a.svg").find("id=\"axes\""), std::string::npos);
+  EXPECT_NE(bytes("b.svg").find("id=\"axes\""), std::string::npos);
 }
 
-TEST(Figure, LegendsHaveAFileOfTheirOwn) {
-  const std::string model = model_with_values(), plain = test::temporary("plain.png"), png = test::temporary("own.png");
-  const std::string legend = test::temporary("legend.png"), pdf = test::temporary("legend.pdf");
-  const std::string words = model + kSmall + " --color-by p ";
-  ASSERT_EQ(test::run_program(words + "-o " + plain).code, 0);
-  ASSERT_EQ(test::run_program(words + "--color-bar --legend " + legend + " -o " + png).code, 0);
-  EXPECT_EQ(bytes_of(plain), bytes_of(png));
-  const auto picture = read_image(legend);
-  ASSERT_TRUE(picture);
-  const Plane& alpha = picture->plane("color.a");
+TEST_F(Figure, LegendsHaveAFileOfTheirOwn) {
+  const std::string line = "values.ply --resolution 64x64 --color-by p ";
+  good(line + "-o plain.png");
+  good(line + "--color-bar --legend legend.png -o own.png");
+  EXPECT_TRUE(bytes("plain.png") == bytes("own.png"));
+  const Plane alpha = image("legend.png").plane("color.a");
   EXPECT_EQ(alpha.at(2, 2), 0.0f);
   float max = 0.0f;
   for (int y = 0; y < alpha.height; ++y)
     max = std::max(max, *std::max_element(alpha.row(y), alpha.row(y) + alpha.width));
   EXPECT_GT(max, 0.99f);
-  ASSERT_EQ(test::run_program(words + "--color-bar --color-bar-title Druck --legend " + pdf + " -o " + png).code, 0);
-  const std::string text = test::temporary("legend.txt");
-  ASSERT_EQ(std::system(fmt::format("pdftotext '{}' '{}'", pdf, text).c_str()), 0);
-  EXPECT_NE(bytes_of(text).find("Druck"), std::string::npos) << bytes_of(text);
+  good(line + "--color-bar --color-bar-title Druck --legend legend.pdf -o own.png");
+  ASSERT_EQ(std::system(fmt::format("cd {} && pdftotext legend.pdf legend.txt", quoted(folder_.string())).c_str()), 0);
+  EXPECT_NE(bytes("legend.txt").find("Druck"), std::string::npos) << bytes("legend.txt");
 }
 
-TEST(Figure, WrongOptionsAreRefused) {
-  const std::string model = model_with_values(), out = " -o " + test::temporary("refused.png");
+TEST_F(Figure, StripsHaveLegends) {
+  const std::string line =
+      "values.ply --device cpu --resolution 512x512 --anti-aliasing 1 --color-by p --color-bar --axes -o ";
+  good(line + "whole.png");
+  const test::Outcome outcome = run(line + "strips.png --memory 20M --verbose");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ASSERT_NE(outcome.err.find("drawn in strips"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(bytes("whole.png") == bytes("strips.png"));
+}
+
+TEST_F(Figure, WrongOptionsAreRefused) {
   const std::pair<const char*, const char*> cases[] = {
-      {" --color-bar", "--color-by"},
-      {" --color-bar-title T --color-by p", "--color-bar"},
-      {" --legend a.png", "--color-bar, --scale-bar or --axes"},
-      {" --axes --legend a.txt", ".png, .svg or .pdf"},
-      {" --print-size 80", "width and height in mm"},
-      {" --print-size 80,0", "width and height in mm"},
-      {" --print-size 4000,4000 --dpi 9000", "lower --dpi"},
-      {" --print-size 80,60 --resolution 64,64", "--resolution"},
-      {" --axes --passes depth", "--legend"},
-      {" --dpi 0", "--dpi"},
+      {"--color-bar", "--color-by"},
+      {"--color-bar-title T --color-by p", "--color-bar"},
+      {"--legend a.png", "--color-bar, --scale-bar or --axes"},
+      {"--axes --legend a.txt", ".png, .svg or .pdf"},
+      {"--print-size 80", "width and height in mm"},
+      {"--print-size 80,0", "width and height in mm"},
+      {"--print-size 4000,4000 --dpi 9000", "lower --dpi"},
+      {"--print-size 80,60 --resolution 64,64", "--resolution"},
+      {"--axes --passes depth", "--legend"},
+      {"--dpi 0", "--dpi"},
   };
-  for (const auto& [words, sentence] : cases) {
-    const auto run = test::run_program(model + words + out);
-    EXPECT_EQ(run.code, 2) << words;
-    EXPECT_NE(run.error.find(sentence), std::string::npos) << words << ": " << run.error;
-  }
+  for (const auto& [words, sentence] : cases) bad(std::string("values.ply -o out.png ") + words, 2, {sentence});
+  bad("values.ply --axes -o out.exr", 2, {"--legend"});
 }
 
 }  // namespace
