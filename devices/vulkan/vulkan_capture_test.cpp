@@ -176,7 +176,7 @@ test::Difference difference_between(std::array<Device*, 2> devices, Request sett
   std::vector<Image> images;
   for (Device* device : devices) {
     auto scene = load_scene("scene:solids?detail=3000");
-    complete_scene(*scene, *make_recipe(settings));
+    EXPECT_TRUE(complete_scene(*scene, *make_recipe(settings)));
     EXPECT_TRUE(device->prepare(*scene));
     StageTimes times;
     const auto frame = draw(*device, *scene, settings, times);
