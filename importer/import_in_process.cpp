@@ -1,5 +1,5 @@
-// Import of models: OBJ, PLY, OFF, STL, 3MF, FBX and points in text form by our own readers, PDB through Gemmi, all
-// other formats through Assimp. Assimp only parses and triangulates; scene/finish.cpp joins vertices and creates
+// Import of models: OBJ, PLY, OFF, STL, 3MF, FBX, VTK and points in text form by our own readers, PDB through Gemmi,
+// all other formats through Assimp. Assimp only parses and triangulates; scene/finish.cpp joins vertices and creates
 // normals, which is faster and gives all formats the same rules.
 #include "importer/importer.h"
 
@@ -360,7 +360,8 @@ Result<Scene> import_in_process(const fs::path& file, const ImportSettings& sett
       if (!size) return size.error();
       raise_limits_by(double(*size));
     }
-    const bool is_gltf = format == "gltf" || format == "glb";
+    const bool is_gltf = format == "gltf" || format == "glb",
+               is_vtk = format == "vtk" || format == "vtp" || format == "vtu";
     std::optional<Result<Scene>> gltf = is_gltf ? read_gltf(file, settings) : std::nullopt;
     Result<Scene> scene = gltf                                 ? std::move(*gltf)
                           : format == "obj"                    ? import_obj(file)
@@ -371,6 +372,7 @@ Result<Scene> import_in_process(const fs::path& file, const ImportSettings& sett
                           : format == "3mf"                    ? read_3mf(file)
                           : format == "fbx"                    ? read_fbx(file)
                           : format == "pdb" || format == "ent" ? read_pdb(file, settings.field)
+                          : is_vtk                             ? read_vtk(file, settings.field)
                                                                : import_by_assimp(file, format, process_ends);
     // complete_import uses several threads for points. The memory limits of this process leave no room for them.
     if (process_ends && scene && scene->point_count() > 0) return scene;

@@ -32,6 +32,11 @@ std::string with_dae_morphs(const std::string& text);
 /// Lengths are converted to millimetres. Errors: kFile.
 Result<Scene> read_3mf(const std::filesystem::path& file);
 
+/// Reads a VTK file, in its text format (.vtk) or in XML (.vtp, .vtu), of polygons or of an unstructured grid, of which
+/// the surface is drawn, before finish_scene. Values of points and cells are fields, of which `field` chooses as in
+/// ImportSettings. Errors: kFile.
+Result<Scene> read_vtk(const std::filesystem::path& file, const std::optional<std::string>& field);
+
 /// Reads the textures of the materials and places texture coordinates by their options -s and -o. Adds one warning per
 /// missing or unreadable file, and one for maps that are placed otherwise than the first map of their material, which
 /// are left out, since a mesh has one set of texture coordinates.

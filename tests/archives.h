@@ -13,6 +13,16 @@
 
 namespace umbrage::test {
 
+/// Returns bytes that zlib has compressed.
+inline std::string zlib_of(std::string_view content) {
+  uLongf size = compressBound(uLong(content.size()));
+  std::string bytes(size, '\0');
+  compress(reinterpret_cast<Bytef*>(bytes.data()), &size, reinterpret_cast<const Bytef*>(content.data()),
+           uLong(content.size()));
+  bytes.resize(size);
+  return bytes;
+}
+
 /// Returns a gzip file with one member.
 inline std::string gzip_of(std::string_view content) {
   constexpr int kGzip = 16, kMemory = 8;

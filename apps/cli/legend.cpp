@@ -284,7 +284,7 @@ std::vector<Tick> ticks_of(const ValueColors& values, int max_count) {
     const double count = double(values.colors.size()), width = (high - low) / count;
     for (double k = 0.0; k <= count; ++k) at.push_back(low + k * width);
     // As many decimals as the limits need, at most three digits of their distance.
-    for (step = round_length(width); step > 0.002 * width; step /= 10.0)
+    for (step = std::pow(10.0, std::floor(std::log10(width))); step > 0.002 * width; step /= 10.0)
       if (std::all_of(at.begin(), at.end(), [&](double v) { return std::abs(v / step - std::round(v / step)) < 1e-4; }))
         break;
   } else if (values.scale == ValueColors::Scale::kLinear) {

@@ -50,13 +50,28 @@ constexpr Signature kSignatures[] = {{"ply\n", "ply"},
                                      {"\x28\xb5\x2f\xfd", "zst"}};
 
 /// The root elements of XML files.
-constexpr Signature kRoots[] = {{"<COLLADA", "dae"}, {"<X3D", "x3d"},   {"<VTKFile", "vtk"},
-                                {"<amf", "amf"},     {"<html", "html"}, {"<HTML", "html"}};
+constexpr Signature kRoots[] = {
+    {"<COLLADA", "dae"}, {"<X3D", "x3d"}, {"<amf", "amf"}, {"<html", "html"}, {"<HTML", "html"}};
 
 std::uint32_t uint32_at(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
   std::memcpy(&value, bytes.data() + at, sizeof value);
   return value;
+}
+
+/// Returns the format of VTK's XML files, which may hold binary data, by what the root names; else nothing.
+std::string_view format_of_vtk(std::string_view start) {
+  constexpr Signature kTypes[] = {{"\"PolyData\"", "vtp"},
+                                  {"\"UnstructuredGrid\"", "vtu"},
+                                  {"\"ImageData\"", "vti"},
+                                  {"\"StructuredGrid\"", "vts"},
+                                  {"\"RectilinearGrid\"", "vtr"}};
+  const std::size_t root = start.starts_with('<') ? start.substr(0, 1024).find("<VTKFile") : std::string_view::npos;
+  if (root == std::string_view::npos) return "";
+  start = start.substr(root, start.find('>', root) - root);
+  for (const Signature& type : kTypes)
+    if (start.find(type.bytes) != std::string_view::npos) return type.format;
+  return "";
 }
 
 std::string format_of_binary(std::string_view start, std::size_t size) {
@@ -159,6 +174,7 @@ struct Unread {
 
 std::string format_of_content(std::string_view start, std::size_t size) {
   if (std::string binary = format_of_binary(start, size); !binary.empty()) return binary;
+  if (const std::string_view vtk = format_of_vtk(without_mark(start)); !vtk.empty()) return std::string(vtk);
   if (is_utf16(start)) return start.substr(0, 4).find('<') == std::string_view::npos ? "utf16" : "";  // XML may be
   constexpr std::size_t kTested = 4096;
   if (start.substr(0, kTested).find('\0') != std::string_view::npos) return "";
@@ -204,9 +220,9 @@ std::string conversion_advice(std::string_view format) {
        "export .glb, .obj or .stl from that program"},
       {{"las", "laz", "e57", "pcd", "ptx"}, "a point cloud", "convert it to .ply, for example with CloudCompare"},
       {{"cif", "mol", "mol2", "sdf", "gro"}, "a molecule", "convert it to .pdb or .xyz, for example with Open Babel"},
-      {{"vtk", "vtp", "vtu", "vti", "vts", "vtr"},
+      {{"vti", "vts", "vtr", "vtm", "pvd", "pvtp", "pvtu", "vtkhdf"},
        "a format of simulations",
-       "save its surface as .ply or .stl, for example with ParaView"},
+       "save its surface as .vtp, for example with ParaView"},
       {{"nii", "nrrd", "mha", "mhd", "dcm"},
        "a volume",
        "save a surface of it as .stl or .obj, for example with 3D Slicer"},

@@ -84,8 +84,8 @@ TEST_F(Content, ThatIsNoModelIsNamed) {
   expect_error("b.obj", "version https://git-lfs.github.com/spec/v1\noid sha256:01\nsize 7\n", "Git LFS");
   expect_error("c.3mf", "\n<!doctype HTML>\n<html></html>", "a web page");
   expect_error("c.glb", "<html><body>404</body></html>", "a web page");
-  expect_error("d.stl", "# vtk DataFile Version 3.0\nx\nASCII\n", "ParaView");
-  expect_error("d.vtu", "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\">", "ParaView");
+  expect_error("d.vtk", "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\">", "save its surface as .vtp");
+  expect_error("d.pvtu", "<VTKFile type=\"PUnstructuredGrid\">", "ParaView");
   expect_error("e.obj", "#usda 1.0\n", "convert it to .glb");
   expect_error("e.nii", "x", "3D Slicer");
   expect_error("f.stl", "PK\3\4" + std::string(26, ' ') + "model.stl", "an archive");

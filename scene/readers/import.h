@@ -27,8 +27,8 @@ struct ImportSettings {
   bool file_lights = false;  ///< whether the lights of a glTF file are read; else looks have their own
 };
 
-/// Reads 3DS and DAE through Assimp, PDB through Gemmi, OBJ with MTL, glTF/GLB, FBX, PLY, STL, OFF, 3MF and points in
-/// text form (XYZ, PTS) with readers of our own, and textures through stb_image and libwebp. Applies node transforms,
+/// Reads 3DS and DAE through Assimp, PDB through Gemmi, OBJ with MTL, glTF/GLB, FBX, PLY, STL, OFF, 3MF, VTK and points
+/// in text form (XYZ, PTS) with readers of our own, and textures through stb_image and libwebp. Applies node transforms,
 /// triangulates faces, drops degenerate triangles and triangles with coordinates that are not finite, and creates
 /// normals where the file has none. PLY, OFF, OBJ and XYZ files without faces, and points of glTF files, become points.
 /// Missing textures cause a warning and a neutral colour. Errors: kFile with one sentence that names the file and the

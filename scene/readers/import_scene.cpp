@@ -110,8 +110,8 @@ void make_printable(Scene& scene) {
 }  // namespace
 
 const std::vector<std::string>& import_formats() {
-  static const std::vector<std::string> formats{"obj", "ply", "stl", "gltf", "glb", "3ds", "dae",
-                                                "fbx", "off", "xyz", "pts",  "pdb", "ent", "3mf"};
+  static const std::vector<std::string> formats{"obj", "ply", "stl", "gltf", "glb", "3ds", "dae", "fbx", "off",
+                                                "xyz", "pts", "pdb", "ent",  "3mf", "vtk", "vtp", "vtu"};
   return formats;
 }
 

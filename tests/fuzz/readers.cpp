@@ -21,6 +21,7 @@
 #include "gbuffers/packing.h"
 #include "generators/builtin.h"
 #include "importer/importer.h"
+#include "importer/readers.h"
 #include "io/format.h"
 #include "io/image_file.h"
 #include "io/layers.h"
@@ -113,6 +114,19 @@ void read_as_mtl(std::string_view bytes) {
 }
 
 void read_as_xyz(std::string_view bytes) { check_model(read_xyz(MemoryFile(bytes).path, std::string())); }
+
+void read_as_vtk(std::string_view bytes) {
+  const std::string all;
+  Result<Scene> scene = read_vtk(MemoryFile(bytes).path, all);
+  if (scene)
+    for (const Mesh& mesh : scene->meshes)
+      for (const Field& field : mesh.fields)
+        check_equal(
+            field.values.size(),
+            std::size_t(field.components) * (field.on_triangles ? mesh.indices.size() / 3 : mesh.positions.size()),
+            "values");
+  check_model(std::move(scene));
+}
 
 void read_as_gzip(std::string_view bytes) {
   static_cast<void>(inflated_start(bytes, bytes.size()));
@@ -395,6 +409,7 @@ constexpr Reader kReaders[] = {
     {"fbx", import_as<kFbx>, fbx_seeds, false},
     {"pdb", import_as<kPdb>, pdb_seeds, true},
     {"3mf", import_as<k3mf>, three_mf_seeds, true},
+    {"vtk", read_as_vtk, vtk_seeds, false},
 };
 
 }  // namespace

@@ -36,6 +36,7 @@ Seeds fbx_seeds();
 Seeds pdb_seeds();
 Seeds gzip_seeds();
 Seeds three_mf_seeds();
+Seeds vtk_seeds();
 Seeds png_seeds();
 Seeds exr_seeds();
 Seeds pfm_seeds();

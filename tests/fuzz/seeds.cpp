@@ -173,6 +173,40 @@ Seeds three_mf_seeds() {
               "</mesh>"))};
 }
 
+Seeds vtk_seeds() {
+  const std::string
+      text = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET ",
+      points = "0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\n",
+      data = "<CellData Scalars=\"c\"><DataArray type=\"Float32\" Name=\"c\" ",
+      cells =
+          "</CellData><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 "
+          "1 0 0 0 1 0 0 0 1</DataArray></Points><Cells><DataArray type=\"Int32\" Name=\"connectivity\" "
+          "format=\"ascii\">0 1 2 3</DataArray><DataArray type=\"Int32\" Name=\"offsets\" "
+          "format=\"ascii\">4</DataArray><DataArray type=\"UInt8\" Name=\"types\" "
+          "format=\"ascii\">10</DataArray></Cells></Piece></UnstructuredGrid>",
+      root = "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\"",
+      piece = "><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">";
+  const std::string block(20, '\0'), zlib = test::zlib_of(block);
+  return {
+      text + "POLYDATA\nPOINTS 8 float\n" + points +
+          "VERTICES 1 2\n1 0\nLINES 1 3\n2 0 1\nPOLYGONS 1 5\n4 0 1 2 3\nTRIANGLE_STRIPS 1 5\n4 4 5 7 6\nPOINT_DATA 8\n"
+          "SCALARS s float 1\nLOOKUP_TABLE default\n1 2 3 4 5 6 7 nan\nNORMALS n float\n" +
+          points +
+          "METADATA\nINFORMATION 0\n\nCELL_DATA 4\nCOLOR_SCALARS c 3\n1 0 0 1 0 0 1 0 0 1 0 0\nFIELD f 1\na 2 4 int\n"
+          "1 2 3 4 5 6 7 8\n",
+      text + "UNSTRUCTURED_GRID\nPOINTS 8 double\n" + points +
+          "CELLS 3 12\nOFFSETS vtktypeint64\n0 8 12\nCONNECTIVITY vtktypeint64\n0 1 2 3 4 5 6 7 0 1 2 3\nCELL_TYPES "
+          "2\n12\n9\n",
+      "# vtk DataFile Version 3.0\n\nBINARY\nDATASET POLYDATA\nPOINTS 3 char\n"s +
+          "\0\0\0\1\0\0\0\1\0\nPOLYGONS 1 4\n"s +
+          "\0\0\0\3\0\0\0\0\0\0\0\1\0\0\0\2\nPOINT_DATA 3\nSCALARS s bit\nLOOKUP_TABLE d\n\x60\n"s,
+      root + piece + data + "format=\"binary\">" + base64(bytes_of(4u, 1.5f)) + "</DataArray>" + cells + "</VTKFile>",
+      root + " header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"" + piece + data +
+          "NumberOfComponents=\"5\" format=\"appended\" offset=\"0\"/>" + cells + "<AppendedData encoding=\"raw\">_" +
+          bytes_of(std::uint64_t(1), std::uint64_t(32), std::uint64_t(20), std::uint64_t(zlib.size())) + zlib +
+          "</AppendedData></VTKFile>"};
+}
+
 Seeds obj_seeds() {
   return {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
           "# a\nmtllib none.mtl\no a b\ng g\nv 0 0 0 1 0 0\nv 1 0 0\nv .5 1 0\nv -1 -1e-3 2\nvt 0 0\nvt 1 0\nvt 1 1\n"
