@@ -264,6 +264,8 @@ DrawnColor ink_on(const DrawnColor& background) {
   return {level, level, level};
 }
 
+float default_font_size(float side) { return std::max(kMinFont, kFontShare * side); }
+
 double place_on_scale(const ValueColors& values, double value) {
   const double low = even(values, values.low), high = even(values, values.high);
   return (even(values, value) - low) / (high - low);
@@ -305,7 +307,7 @@ std::vector<Tick> ticks_of(const ValueColors& values, int max_count) {
 Result<std::vector<DrawnLayer>> legends_of(const LegendSettings& settings, const Scene& scene, const Camera& camera,
                                            int width, int height) {
   const float side = float(std::min(width, height));
-  const float font = settings.font_size > 0.0f ? settings.font_size : std::max(kMinFont, kFontShare * side);
+  const float font = settings.font_size > 0.0f ? settings.font_size : default_font_size(side);
   const Page page{float(width), float(height), font, settings.ink};
   std::vector<DrawnLayer> layers;
   if (settings.color_bar) {

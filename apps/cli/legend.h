@@ -25,6 +25,9 @@ struct LegendSettings {
 /// Returns black or white, whichever is easier to read on a background.
 DrawnColor ink_on(const DrawnColor& background);
 
+/// Returns the default size of the font of a picture, pixels, from its shorter side.
+float default_font_size(float side);
+
 /// A tick of a colour bar.
 struct Tick {
   double place = 0.0;  ///< 0 at the low end, 1 at the high end
