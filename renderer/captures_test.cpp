@@ -30,7 +30,7 @@ class PreparedScene {
       : device_(device), scene_(*load_scene("scene:solids?detail=2000")) {
     Recipe recipe = recipe_of({look, {}});
     recipe.ground = ground;
-    complete_scene(scene_, recipe);
+    EXPECT_TRUE(complete_scene(scene_, recipe));
     EXPECT_TRUE(device.prepare(scene_));
   }
 

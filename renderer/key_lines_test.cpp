@@ -36,7 +36,7 @@ class Turn {
     request.anti_aliasing = 1;
     request.settings = {"outline.opacity=0", "hatching.spacing=4", "hatching.width=1"};
     auto recipe = *make_recipe(request);
-    complete_scene(scene_, recipe);
+    EXPECT_TRUE(complete_scene(scene_, recipe));
     EXPECT_TRUE(device_->prepare(scene_));
     first_ = *make_plan(recipe, scene_, device_->threads());
   }

@@ -36,7 +36,7 @@ Image drawn(Scene scene, Request request, bool marked) {
   const auto device = make_cpu_device({});
   const auto recipe = make_recipe(request);
   EXPECT_TRUE(recipe) << recipe.error().message;
-  complete_scene(scene, *recipe);
+  EXPECT_TRUE(complete_scene(scene, *recipe));
   EXPECT_TRUE(device->prepare(scene));
   auto plan = make_plan(*recipe, scene, device->threads());
   EXPECT_TRUE(plan) << plan.error().message;

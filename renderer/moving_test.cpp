@@ -56,7 +56,7 @@ class MovingSolid {
 
   Result<MovingFrame> moved(int frame) const {
     Scene scene = *load_scene(kScene);
-    complete_scene(scene, recipe_);
+    EXPECT_TRUE(complete_scene(scene, recipe_));
     auto plan = make_plan(recipe_, scene, device_->threads());
     if (!plan) return plan.error();
     const float pixel = (plan->camera.right - plan->camera.left) / float(kSide);

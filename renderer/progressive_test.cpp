@@ -26,7 +26,7 @@ class Progressive {
       : device_(make_cpu_device({.threads = threads})), scene_(*load_scene(model)) {
     const auto recipe = make_recipe(request);
     EXPECT_TRUE(recipe) << recipe.error().message;
-    complete_scene(scene_, *recipe);
+    EXPECT_TRUE(complete_scene(scene_, *recipe));
     EXPECT_TRUE(device_->prepare(scene_));
     plan = *make_plan(*recipe, scene_, device_->threads());
   }
@@ -306,7 +306,7 @@ TEST(DrawProgress, OfStripsOfMarkedSamplesGrowsSteadily) {
   Request request{.look = "studio", .width = 80, .height = 256};
   const auto recipe = make_recipe(request);
   Scene scene = *load_scene("scene:solids?detail=2000");
-  complete_scene(scene, *recipe);
+  EXPECT_TRUE(complete_scene(scene, *recipe));
   const auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
   const auto plan = make_plan(*recipe, scene, device->threads());

@@ -234,7 +234,7 @@ fs::path file_of(const char* name, int width, int height, const std::vector<std:
   const auto device = make_cpu_device({});
   const auto recipe = make_recipe(request);
   EXPECT_TRUE(recipe);
-  complete_scene(scene, *recipe);
+  EXPECT_TRUE(complete_scene(scene, *recipe));
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
   const auto frame = draw(*device, scene, *recipe, times);

@@ -32,7 +32,7 @@ class Pan {
     request.passes = {"shadow", "depth"};
     auto recipe = *make_recipe(request);
     recipe.is_steady = true;
-    complete_scene(scene_, recipe);
+    EXPECT_TRUE(complete_scene(scene_, recipe));
     EXPECT_TRUE(device_->prepare(scene_));
     plan_ = *make_plan(recipe, scene_, device_->threads());
   }

@@ -35,7 +35,7 @@ Image drawn(const Request& settings, int rows, const std::vector<std::string>& p
   auto recipe = make_recipe(settings, kMaxStripPixels);
   EXPECT_TRUE(recipe) << recipe.error().message;
   if (alone) reduce_to_passes(*recipe);
-  complete_scene(scene, *recipe);
+  EXPECT_TRUE(complete_scene(scene, *recipe));
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
   if (rows == 0) {
@@ -203,7 +203,7 @@ struct Planned {
     Recipe recipe = *make_recipe(request, kMaxStripPixels);
     reduce_to_passes(recipe);
     scene = *load_scene(model);
-    complete_scene(scene, recipe);
+    EXPECT_TRUE(complete_scene(scene, recipe));
     plan = *make_plan(recipe, scene, device->threads());
   }
 

@@ -28,7 +28,7 @@ Made made_for(const std::string& look, const std::vector<std::string>& passes, c
   reduce_to_passes(made.recipe);
   auto scene = load_scene("scene:solids?detail=2000");
   const auto device = make_cpu_device();
-  complete_scene(*scene, made.recipe);
+  EXPECT_TRUE(complete_scene(*scene, made.recipe));
   EXPECT_TRUE(device->prepare(*scene));
   StageTimes times;
   const auto frame = draw(*device, *scene, made.recipe, times);
@@ -71,7 +71,7 @@ TEST(Wanted, PassesMatchTheWholePicture) {
       auto scene = load_scene("scene:solids?detail=2000");
       const auto device = make_cpu_device();
       const auto recipe = make_recipe(request);
-      complete_scene(*scene, *recipe);
+      EXPECT_TRUE(complete_scene(*scene, *recipe));
       ASSERT_TRUE(device->prepare(*scene));
       StageTimes times;
       const auto frame = draw(*device, *scene, *recipe, times);
@@ -96,7 +96,7 @@ TEST(Wanted, APictureKeepsOnlyWhatIsReadAfterIt) {
     auto scene = load_scene("scene:solids?detail=2000");
     const auto device = make_cpu_device();
     const auto recipe = make_recipe(request);
-    complete_scene(*scene, *recipe);
+    EXPECT_TRUE(complete_scene(*scene, *recipe));
     ASSERT_TRUE(device->prepare(*scene));
     StageTimes times;
     const auto frame = draw(*device, *scene, *recipe, times);

@@ -146,7 +146,7 @@ TEST(LightOptions, AKeyFactorHoldsForEveryFrameOfATurntable) {
     auto recipe = make_recipe(request);
     EXPECT_TRUE(read_hdri(recipe->hdri, {}));
     Scene scene = model();
-    complete_scene(scene, *recipe);
+    EXPECT_TRUE(complete_scene(scene, *recipe));
     const auto plan = make_plan(*recipe, scene, 1);
     return std::pair(plan->lighting().lights.at(0).color.g,
                      turned(*plan, scene, 90.0f).lighting().lights.at(0).color.g);

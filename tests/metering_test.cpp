@@ -188,7 +188,7 @@ float stops_of_cube(const CameraSettings& camera, int width, int height) {
   request.camera = camera;
   const auto recipe = make_recipe(request);
   Scene scene = cube_with_a_white_wall();
-  complete_scene(scene, *recipe);
+  EXPECT_TRUE(complete_scene(scene, *recipe));
   const auto device = make_cpu_device();
   EXPECT_TRUE(device->prepare(scene));
   const auto plan = make_plan(*recipe, scene, 0);

@@ -334,7 +334,7 @@ Scene box_scene(glm::vec3 size) {
 
 bool gets_ground(Scene scene, Request request = {}) {
   request.look = "studio";
-  complete_scene(scene, *make_recipe(request));
+  EXPECT_TRUE(complete_scene(scene, *make_recipe(request)));
   return scene.ground_object >= 0;
 }
 
@@ -447,10 +447,10 @@ TEST(GroundUnderModels, HidesNothingFromBelow) {
     request.look = "studio";
     request.camera.elevation_deg = -60.0f;
     request.camera.orthographic = orthographic;
-    complete_scene(scene, *make_recipe(request));
+    EXPECT_TRUE(complete_scene(scene, *make_recipe(request)));
     EXPECT_LT(scene.ground_object, 0) << orthographic;
     request.camera.elevation_deg = 20.0f;
-    complete_scene(scene, *make_recipe(request));
+    EXPECT_TRUE(complete_scene(scene, *make_recipe(request)));
     EXPECT_EQ(scene.ground_object, 1) << orthographic;
   }
 }

@@ -29,7 +29,7 @@ constexpr const char* kChannels[] = {"color.r", "color.g", "color.b"};
 Image picture(Device& device, const std::string& scene_name, const Request& settings) {
   auto scene = load_scene(scene_name);
   EXPECT_TRUE(scene);
-  complete_scene(*scene, *make_recipe(settings));
+  EXPECT_TRUE(complete_scene(*scene, *make_recipe(settings)));
   EXPECT_TRUE(device.prepare(*scene));
   StageTimes times;
   const auto frame = draw(device, *scene, settings, times);
