@@ -38,9 +38,6 @@ struct Tick {
 /// their limits if these are few enough.
 std::vector<Tick> ticks_of(const ValueColors& values, int max_count);
 
-/// Returns the place of a value on the scale: 0 at the low end, 1 at the high end.
-double place_on_scale(const ValueColors& values, double value);
-
 /// Returns the largest of 1, 2 and 5 times a power of ten that is at most `max`, which is above 0.
 double round_length(double max);
 

@@ -7,7 +7,7 @@ namespace umbrage::test {
 namespace {
 
 /// Pixels from begin to end, exclusive.
-struct Run {
+struct Extent {
   int begin = 0, end = 0;
   int size() const { return end - begin; }
 };
@@ -26,8 +26,8 @@ class Sheet : public ProgramTest {
   static bool is_model(const Image& sheet, int x, int y) {
     return sheet.plane("color.r").at(x, y) - sheet.plane("color.g").at(x, y) > 0.15f;
   }
-  static std::vector<Run> runs(int count, const std::function<bool(int)>& is_set) {
-    std::vector<Run> runs;
+  static std::vector<Extent> runs(int count, const std::function<bool(int)>& is_set) {
+    std::vector<Extent> runs;
     for (int k = 0; k < count; ++k)
       if (is_set(k)) {
         if (runs.empty() || runs.back().end < k) runs.push_back({k, k});
@@ -36,9 +36,9 @@ class Sheet : public ProgramTest {
     return runs;
   }
   /// Returns the rows with views, and the views in each: their columns.
-  static std::vector<std::pair<Run, std::vector<Run>>> views_in(const Image& sheet) {
-    std::vector<std::pair<Run, std::vector<Run>>> found;
-    for (const Run& rows : runs(sheet.height, [&](int y) {
+  static std::vector<std::pair<Extent, std::vector<Extent>>> views_in(const Image& sheet) {
+    std::vector<std::pair<Extent, std::vector<Extent>>> found;
+    for (const Extent& rows : runs(sheet.height, [&](int y) {
            for (int x = 0; x < sheet.width; ++x)
              if (is_model(sheet, x, y)) return true;
            return false;
@@ -64,8 +64,8 @@ TEST_F(Sheet, ViewsAreAlignedAtOneScale) {
     if (first_angle) std::swap(rows[0], rows[1]);
     ASSERT_EQ(rows[0].second.size(), 1u);
     ASSERT_EQ(rows[1].second.size(), 2u);
-    const Run top_x = rows[0].second[0], front_x = rows[1].second[first_angle ? 1 : 0];
-    const Run right_x = rows[1].second[first_angle ? 0 : 1];
+    const Extent top_x = rows[0].second[0], front_x = rows[1].second[first_angle ? 1 : 0];
+    const Extent right_x = rows[1].second[first_angle ? 0 : 1];
     EXPECT_NEAR(front_x.begin, top_x.begin, 1);
     EXPECT_NEAR(front_x.end, top_x.end, 1);
     const double scale = front_x.size() / 4.0;
