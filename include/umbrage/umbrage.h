@@ -158,9 +158,9 @@ UMB_API UmbError umbRemoveMesh(UmbScene scene, int mesh);
 UMB_API UmbError umbSetMeshBuffer(UmbScene scene, int mesh, const char* name, const void* data, UmbType type,
                                   int channels, ptrdiff_t stride);
 
-/* Copies values to the mesh, such as a pressure, which a job shows as colours if its parameter "color_by" is their name.
- * `of_triangles`: one per triangle; otherwise one per vertex. `type`: FLOAT32, UINT8, UINT16 or UINT32; NaN: there is no
- * value. `components`: 1 to 16; `stride`: bytes from one value to the next, 0: packed. */
+/* Copies values to the mesh, such as a pressure, which a job shows as colours if its parameter "color_by" is their
+ * name. `of_triangles`: one per triangle; otherwise one per vertex. `type`: FLOAT32, UINT8, UINT16 or UINT32; NaN:
+ * there is no value. `components`: 1 to 16; `stride`: bytes from one value to the next, 0: packed. */
 UMB_API UmbError umbSetMeshValues(UmbScene scene, int mesh, const char* name, bool of_triangles, const void* data,
                                   UmbType type, int components, ptrdiff_t stride);
 

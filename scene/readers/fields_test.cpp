@@ -25,8 +25,7 @@ struct FileFields : test::FileFolder {
   std::vector<std::string> names(const std::string& name, const std::string& text) const {
     std::vector<std::string> found;
     const Scene scene = read(name, text, "");
-    for (const Field& field : scene.meshes[0].fields)
-      found.push_back(field.name + std::to_string(field.components));
+    for (const Field& field : scene.meshes[0].fields) found.push_back(field.name + std::to_string(field.components));
     return found;
   }
 };
