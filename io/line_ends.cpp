@@ -14,6 +14,7 @@ using glm::dvec2;
 constexpr double kMeetingReach = 2.0;  // pixels: max distance of ends that meet
 constexpr double kEndReach = 6.0;      // pixels by which a line may become longer or shorter to meet an end
 constexpr double kSideReach = 3.0;     // pixels, likewise to meet the side of another
+constexpr double kMaxSide = 10000.0;   // pixels: length of a line that others are joined to all along
 constexpr double kMaxBeside = 0.75;    // pixels: by which an end may move across its line
 
 /// Things near a position.
@@ -138,7 +139,7 @@ void join_ends(std::vector<Line>& lines) {
     for (const bool last : {false, true})
       if (!line.closed) ends.push_back({&line, last});
     for (const SpinePiece& each : line.pieces) {
-      const int steps = std::max(1, int(std::ceil(each.piece.length() / 1.5)));
+      const int steps = std::max(1, int(std::ceil(std::min(each.piece.length(), kMaxSide) / 1.5)));
       for (int k = 0; k <= steps; ++k) {
         const dvec2 at = each.piece.at(double(k) / steps);
         sides.add(at, {&line, &each.piece, at});
