@@ -20,10 +20,10 @@ assert {"visible", "hidden", "section", "hatch"} <= {layer.dxf.name for layer in
 assert drawing.layers.get("hidden").dxf.linetype == "DASHED" and drawing.linetypes.get("DASHED")
 for e in drawing.modelspace():
     kind, numbers = e.dxftype(), []
-    if kind == "LINE": numbers = [*e.dxf.start[:2], *e.dxf.end[:2]]
-    elif kind == "CIRCLE": numbers = [*e.dxf.center[:2], e.dxf.radius]
-    elif kind == "POLYLINE": numbers = [n for v in e.vertices for n in (*v.dxf.location[:2], v.dxf.bulge)]
-    elif kind == "TEXT": numbers = [*e.dxf.insert[:2], e.dxf.height]
+    if kind == "LINE": numbers = [e.dxf.start.x, e.dxf.start.y, e.dxf.end.x, e.dxf.end.y]
+    elif kind == "CIRCLE": numbers = [e.dxf.center.x, e.dxf.center.y, e.dxf.radius]
+    elif kind == "POLYLINE": numbers = [n for v in e.vertices for n in (v.dxf.location.x, v.dxf.location.y, v.dxf.bulge)]
+    elif kind == "TEXT": numbers = [e.dxf.insert.x, e.dxf.insert.y, e.dxf.height]
     print(kind, e.dxf.layer, e.dxf.linetype, "closed" if getattr(e, "is_closed", False) else "open",
           *(f"{n + 0:.3f}" for n in numbers), e.dxf.text if kind == "TEXT" else "")
 print("extents", *(f"{n:.3f}" for key in ("$EXTMIN", "$EXTMAX") for n in drawing.header[key][:2]))
