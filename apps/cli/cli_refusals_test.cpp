@@ -114,8 +114,7 @@ TEST_F(CliRefusals, RefusesNamesThatDoNotExist) {
                                   {"camera-azimuth", "camera-azimuth-angle"},
                                   {"ambient-occlusion", "ao"},
                                   {"ssao", "ao"},
-                                  {"no-ground", "ground"},
-                                  {"dpi", "resolution"}})
+                                  {"no-ground", "ground"}})
     bad_option(fmt::format("--{} 3", name), {fmt::format("(did you mean '--{}'?)", own)});
   bad_option("--background-color transparent", {"'transparent'", "--no-background"});
   bad_option("--fooo", {"'--fooo'", "umbrage render --help"});

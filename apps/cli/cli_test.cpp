@@ -50,7 +50,6 @@ TEST_F(Cli, PrintsHelpAndVersion) {
                                    {"background", "background-color"},
                                    {"size", "resolution"},
                                    {"width", "resolution"},
-                                   {"dpi", "resolution"},
                                    {"fov", "camera-view-angle"},
                                    {"zoom", "camera-zoom-factor"}})
     bad(std::string("scene:claw -o claw.png --") + other + " 3", 2, {std::string("did you mean '--") + own + "'"});

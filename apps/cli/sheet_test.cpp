@@ -90,7 +90,7 @@ TEST_F(Sheet, HasAStandardScaleOnPaper) {
 }
 
 TEST_F(Sheet, LinesOfAllViewsAreOnOnePage) {
-  good("box.obj --views front,top,right,iso --resolution 400x300 -o out.svg");
+  good("box.obj --views front,top,right,iso --resolution 800x600 -o out.svg");
   const std::string svg = text_of(folder_ / "out.svg");
   for (const char* name : {">front<", ">top<", ">right<", ">iso<"})
     EXPECT_NE(svg.find(name), std::string::npos) << name;
@@ -102,7 +102,7 @@ TEST_F(Sheet, LinesOfAllViewsAreOnOnePage) {
   int dark = 0;
   for (int y = 0; y < page.height; ++y)
     for (int x = 0; x < page.width; ++x) dark += page.plane("color.g").at(x, y) < 0.5f;
-  EXPECT_GT(dark, 1000);
+  EXPECT_GT(dark, 2000);
 }
 
 TEST_F(Sheet, WrongOptionsAreRefused) {
