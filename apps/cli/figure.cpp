@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
+#include "apps/cli/commands.h"
 #include "apps/cli/picture_file.h"
 #include "apps/cli/render_options.h"
 #include "core/lowercase.h"
@@ -20,7 +21,8 @@ constexpr double kMaxMm = 5000.0;
 Result<void> apply_print_size(RenderOptions& o) {
   const std::string& text = o.figure.print_size;
   if (text.empty()) return {};
-  if (o.is_given("resolution"))
+  // A size in the configuration file is for pictures without a size on paper.
+  if (command_line.find("--resolution") != std::string::npos)
     return field_error("--print-size", text, "{} {} gives the number of pixels at --dpi: leave out --resolution");
   const auto words = split(text);
   const Interval interval{1.0, kMaxMm};

@@ -22,6 +22,7 @@ namespace {
 
 constexpr int kPadding = 4;                           // pixels around a view, for lines on its outline
 constexpr float kMargin = 2.0f, kGap = 2.2f;          // around the page and between views, in sizes of the font
+constexpr float kMaxFontShare = 0.05f;              // of the shorter side of the page
 constexpr float kLabel = 1.6f;                        // of the name below a view, in sizes of the font
 constexpr float kBarSpace = 9.0f, kNoteSpace = 2.5f;  // of a colour bar, and of the line with the scale, likewise
 
@@ -91,7 +92,7 @@ SheetSettings settings_of(const RenderOptions& o) {
   return {.first_angle = o.projection == "first",
           .width = o.request.width,
           .height = o.request.height,
-          .font = font > 0.0f ? font : default_font_size(side),
+          .font = font > 0.0f ? font : std::min(default_font_size(side), kMaxFontShare * side),
           .mm_per_pixel = o.figure.dpi > 0.0 ? double(o.figure.mm_per_pixel()) : 0.0,
           .mm_per_unit = mm_of(o.figure.legend.length_unit)};
 }
