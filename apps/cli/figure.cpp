@@ -10,6 +10,8 @@
 #include "effects/output/output.h"
 #include "io/image_file.h"
 #include "renderer/options.h"
+#include "scene/readers/content.h"
+#include "scene/readers/import.h"
 
 namespace umbrage::cli {
 namespace {
@@ -83,6 +85,7 @@ Result<void> apply_figure_options(RenderOptions& o) {
   LegendSettings& legend = figure.legend;
   constexpr double kFontPoints = 8.0, kPointsPerInch = 72.0;
   if (figure.dpi > 0.0) legend.font_size = float(kFontPoints / kPointsPerInch * figure.dpi);
+  if (legend.length_unit.empty() && !o.models.empty()) legend.length_unit = units_of(import_format(o.models[0]));
   if (!legend.title.empty() && !legend.color_bar)
     return field_error("--color-bar-title", legend.title, "{} '{}' needs --color-bar");
   if (!legend.any() && !figure.legend_file.empty())
