@@ -6,6 +6,7 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/picture_file.h"
 #include "apps/cli/render_options.h"
+#include "core/lists.h"
 #include "core/lowercase.h"
 #include "effects/output/output.h"
 #include "io/image_file.h"
@@ -100,8 +101,20 @@ Result<void> apply_figure_options(RenderOptions& o) {
                          "{} cannot be '{}': it takes a file whose name ends in .png, .svg or .pdf");
     if (auto writable = check_writable(figure.legend_file); !writable)
       return with_field(writable.error(), "--legend", figure.legend_file);
+    std::error_code ignored;
+    if (std::filesystem::weakly_canonical(figure.legend_file, ignored) ==
+        std::filesystem::weakly_canonical(o.output, ignored))
+      return field_error("--legend", figure.legend_file, "{} '{}' is the picture itself: give another name");
+    if (legend.axes && (o.turntable > 0 || !o.camera_path.empty() || o.animates))
+      return field_error("--legend", figure.legend_file,
+                         "{} '{}' is one file, and --axes change with --turntable, --camera-path and --animate");
     return {};
   }
+  constexpr std::string_view kWithSize[] = {"png", "jpg", "jpeg", "svg", "pdf"};
+  if (const auto extension = extension_of(o.output);
+      extension && figure.dpi > 0.0 && figure.print_size.empty() && !contains(kWithSize, std::string_view(*extension)))
+    return field_error("--dpi", figure.dpi, "{0} is written to .png, .jpg, .svg and .pdf files, not to .{2}",
+                       *extension);
   if (!legend.any()) return {};
   if (o.writes_passes())
     return field_error("passes", o.text_of("passes"),

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec4.hpp>
+#include <limits>
 #include <numeric>
 
 #include "apps/cli/page.h"
@@ -18,6 +19,11 @@ namespace {
 
 constexpr float kFontShare = 0.024f, kMinFont = 11.0f;  // of the shorter side; pixels
 constexpr float kDigitHeight = 0.73f;                   // of digits, as a fraction of the font size
+constexpr float kMaxFontShare = 1.0f / 14.0f;           // of the shorter side, so that legends do not meet
+constexpr float kMinSide = 84.0f;                       // pixels: letters in a smaller picture cannot be read
+constexpr float kMinShrink = 0.5f;                      // of the letters of a long title
+constexpr float kBarSpace = 9.0f;                       // free space for a colour bar, in sizes of the font
+constexpr float kAxesSpace = 7.5f, kScaleSpace = 3.5f;  // likewise for axes and a scale bar
 constexpr int kBarColors = 512;                         // max number of colours of a continuous bar
 
 /// Positions in a picture follow from the size of its font.
@@ -38,24 +44,34 @@ DrawnPath rectangle(float x, float y, float width, float height) {
       .x = x, .y = y, .segments = {{x + width, y}, {x + width, y + height}, {x, y + height}, {x, y}}, .closed = true};
 }
 
-/// Returns a number with a superscript exponent if it is very large or small.
-std::string label_of(double value, double step) {
-  constexpr double kMaxPlain = 1e5, kMinPlain = 1e-3;
-  if (value == 0.0) return "0";
-  const double size = std::abs(value);
-  const std::string sign = value < 0.0 ? "\u2212" : "";
-  if (size < kMaxPlain && step >= kMinPlain) {
-    const int decimals = std::clamp(int(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
-    return sign + fmt::format("{:.{}f}", size, decimals);
-  }
-  const int exponent = int(std::floor(std::log10(size) + 1e-9));
-  const double mantissa = size / std::pow(10.0, exponent);
+constexpr double kMaxPlain = 1e6, kMinPlain = 1e-3;  // numbers outside are written with a power of ten
+
+/// Returns 10 with a superscript exponent.
+std::string power_text(int exponent) {
   static constexpr const char* kDigits[] = {"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074",
                                             "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
-  std::string power = exponent < 0 ? "\u207b" : "";
-  for (const char digit : std::to_string(std::abs(exponent))) power += kDigits[digit - '0'];
-  const std::string ten = "10" + power;
-  return sign + (std::abs(mantissa - 1.0) < 1e-6 ? ten : fmt::format("{:.4g}\u00d7{}", mantissa, ten));
+  std::string text = exponent < 0 ? "10\u207b" : "10";
+  for (const char digit : std::to_string(std::abs(exponent))) text += kDigits[digit - '0'];
+  return text;
+}
+
+int exponent_of(double size) { return int(std::floor(std::log10(size) + 1e-9)); }
+
+/// Returns a number with this number of decimals and a true minus sign.
+std::string plain_text(double value, int decimals) {
+  const std::string digits = fmt::format("{:.{}f}", std::abs(value), decimals);
+  return value < 0.0 && digits.find_first_not_of("0.") != std::string::npos ? "\u2212" + digits : digits;
+}
+
+/// Returns a number of a logarithmic scale: with at most three digits, as a power of ten if `scientific`.
+std::string log_text(double value, bool scientific) {
+  if (value == 0.0) return "0";
+  const int exponent = exponent_of(std::abs(value));
+  const std::string sign = value < 0.0 ? "\u2212" : "";
+  if (!scientific) return sign + fmt::format("{:.3g}", std::abs(value));
+  const double mantissa = std::abs(value) / std::pow(10.0, exponent);
+  const std::string power = power_text(exponent);
+  return sign + (std::abs(mantissa - 1.0) < 1e-3 ? power : fmt::format("{:.3g}\u00d7{}", mantissa, power));
 }
 
 /// Returns the multiples of `step` in a range.
@@ -66,32 +82,69 @@ std::vector<double> multiples(double low, double high, double step) {
   return all;
 }
 
-/// Returns powers of ten from low to high, both above 0, at most about `count`; with their halves and fifths if they
-/// are few.
-std::vector<double> powers(double low, double high, int count) {
+/// Returns round numbers in a range, at most `max_count`.
+std::vector<double> round_numbers(double low, double high, int max_count) {
+  double step = round_length((high - low) / double(max_count));
+  for (;;) {
+    std::vector<double> all = multiples(low, high, step);
+    if (int(all.size()) <= max_count) return all;
+    step = round_length(2.5 * step * (1.0 + 1e-9));
+  }
+}
+
+/// Returns powers of ten from low to high, both above 0, at most `max_count`: with their double and fivefold if they
+/// are few, and round numbers within a decade.
+std::vector<double> powers(double low, double high, int max_count) {
+  const int first = int(std::ceil(std::log10(low) - 1e-6)), last = int(std::floor(std::log10(high) + 1e-6));
+  const int decades = last - first + 1, count = std::max(max_count, 1);
+  if (decades < 2) return round_numbers(low, high, count);
+  const int stride = (decades + count - 1) / count;
   std::vector<double> all;
-  const double first = std::floor(std::log10(low)), last = std::ceil(std::log10(high));
-  const double stride = std::max(1.0, std::ceil((last - first) / std::max(count, 1)));
-  const bool few = std::log10(high / low) < 0.5 * count / 1.5;
-  for (double e = std::ceil(first / stride) * stride; e <= last; e += stride)
-    for (const double factor : {1.0, 2.0, 5.0}) {
-      const double value = factor * std::pow(10.0, e);
-      if ((factor == 1.0 || few) && value >= low * (1.0 - 1e-6) && value <= high * (1.0 + 1e-6)) all.push_back(value);
-    }
+  for (int e = last; e >= first; e -= stride) all.push_back(std::pow(10.0, e));
+  if (3 * decades <= count + 2)
+    for (int e = first - 1; e <= last; ++e)
+      for (const double value : {2.0 * std::pow(10.0, e), 5.0 * std::pow(10.0, e)})
+        if (value >= low && value <= high) all.push_back(value);
+  std::sort(all.begin(), all.end());
   return all;
 }
 
-std::vector<double> symlog_ticks(const ValueColors& values, int count) {
+std::vector<double> symlog_ticks(const ValueColors& values, int max_count) {
   std::vector<double> all;
   const double t = values.linear_threshold, low = values.low, high = values.high;
-  if (low < -t) {
-    const auto below = powers(std::max(t, -std::min(high, -t)), -low, count / 2);
-    for (auto v = below.rbegin(); v != below.rend(); ++v) all.push_back(-*v);
-  }
+  const auto add = [&](double from, double to, double sign) {
+    if (to > from)
+      for (const double v : powers(from, to, max_count / 2)) all.push_back(sign * v);
+  };
+  add(std::max(t, -high), -low, -1.0);
   if (low <= 0.0 && high >= 0.0) all.push_back(0.0);
-  if (high > t)
-    for (const double v : powers(std::max(t, double(low)), high, count / 2)) all.push_back(v);
+  add(std::max(t, low), high, 1.0);
+  std::sort(all.begin(), all.end());
   return all;
+}
+
+/// Returns the limits of the bands, or each n-th of them if they are more than `max_count`.
+std::vector<double> band_limits(const ValueColors& values, int max_count) {
+  const int count = int(values.colors.size()), stride = (count + max_count) / max_count;
+  std::vector<double> all;
+  for (int k = 0; k <= count; k += stride)
+    all.push_back(k == count ? double(values.high) : double(value_on_scale(values, float(k) / float(count))));
+  return all;
+}
+
+/// Returns the number of decimals that tell evenly spaced numbers apart, and show them exactly if three digits of their
+/// distance suffice.
+int decimals_of(const std::vector<double>& numbers) {
+  if (numbers.size() < 2)
+    return numbers.empty() || numbers[0] == 0.0 ? 0 : std::max(0, 2 - exponent_of(std::abs(numbers[0])));
+  const int first = -exponent_of(numbers[1] - numbers[0]);
+  for (int decimals = first; decimals < first + 3; ++decimals) {
+    const double unit = std::pow(10.0, -decimals);
+    if (std::all_of(numbers.begin(), numbers.end(),
+                    [&](double v) { return std::abs(v / unit - std::round(v / unit)) < 1e-3; }))
+      return std::max(decimals, 0);
+  }
+  return std::max(first + 2, 0);
 }
 
 /// Adds the colours of the bar, the low ones at the bottom.
@@ -123,9 +176,11 @@ Result<DrawnLayer> color_bar(const LegendSettings& settings, const ValueColors& 
   constexpr float kHeight = 0.56f, kTop = 0.14f;  // of the picture
   DrawnLayer layer{.name = "color-bar", .object = -1, .opacity = 1.0f, .shapes = {}};
   const float height = kHeight * page.height, width = 1.3f * page.font, tick = 0.35f * page.font;
-  const auto ticks = ticks_of(values, std::clamp(int(height / (2.4f * page.font)), 3, 9));
-  float labels = 0.0f;
-  for (const Tick& each : ticks) {
+  const Ticks ticks = ticks_of(values, std::clamp(int(height / (1.8f * page.font)), 4, 11));
+  const auto factor_width = text_width(ticks.factor, page.font);
+  if (!factor_width) return factor_width.error();
+  float labels = *factor_width;
+  for (const Tick& each : ticks.all) {
     const auto wide = text_width(each.label, page.font);
     if (!wide) return wide.error();
     labels = std::max(labels, *wide);
@@ -146,7 +201,7 @@ Result<DrawnLayer> color_bar(const LegendSettings& settings, const ValueColors& 
   DrawnPath frame = rectangle(x, top, width, height);
   frame.stroke = page.ink, frame.width = page.line();
   layer.shapes.emplace_back(std::move(frame));
-  for (const Tick& each : ticks) {
+  for (const Tick& each : ticks.all) {
     const float y = top + float(1.0 - each.place) * height;
     layer.shapes.emplace_back(line_of(page, x + width, y, x + width + tick, y));
     layer.shapes.emplace_back(DrawnText{.x = labels_x,
@@ -155,10 +210,17 @@ Result<DrawnLayer> color_bar(const LegendSettings& settings, const ValueColors& 
                                         .color = page.ink,
                                         .text = each.label});
   }
-  // A short title begins at the bar; a long one ends at the right margin.
-  layer.shapes.emplace_back(DrawnText{.x = std::max(page.margin(), std::min(x, right - *title_width)),
-                                      .y = top - 0.9f * page.font,
-                                      .size = page.font,
+  if (!ticks.factor.empty())
+    layer.shapes.emplace_back(DrawnText{
+        .x = labels_x, .y = top - 0.6f * page.font, .size = page.font, .color = page.ink, .text = ticks.factor});
+  // A short title begins at the bar; a long one ends at the right margin, in smaller letters if it is longer than the
+  // picture is wide.
+  const float shrink = std::min(1.0f, (page.width - 2.0f * page.margin()) / *title_width);
+  if (shrink < kMinShrink)
+    return field_error("--color-bar-title", title, "{} '{}' does not fit into the picture: give a shorter one");
+  layer.shapes.emplace_back(DrawnText{.x = std::min(x, right - shrink * *title_width),
+                                      .y = top - (ticks.factor.empty() ? 0.9f : 1.9f) * page.font,
+                                      .size = shrink * page.font,
                                       .color = page.ink,
                                       .text = title});
   if (values.missing_count > 0) {
@@ -193,7 +255,7 @@ Result<DrawnLayer> scale_bar(const LegendSettings& settings, const Scene& scene,
   bar.width = 2.0f * page.line();
   layer.shapes.emplace_back(std::move(bar));
   for (const float x : {left, right}) layer.shapes.emplace_back(line_of(page, x, y - end, x, y + end));
-  const std::string label = label_of(length, length);
+  const std::string label = log_text(length, length >= kMaxPlain || length < kMinPlain);
   layer.shapes.emplace_back(
       DrawnText{.x = 0.5f * (left + right),
                 .y = y - 0.7f * page.font,
@@ -206,7 +268,7 @@ Result<DrawnLayer> scale_bar(const LegendSettings& settings, const Scene& scene,
 
 /// Draws the axes in the lower left corner, the farthest first.
 DrawnLayer axes(const Camera& camera, const Page& page) {
-  constexpr float kLength = 3.2f, kHead = 0.75f, kHeadWidth = 0.28f, kLabel = 0.75f;  // of the font size
+  constexpr float kLength = 2.6f, kHead = 0.75f, kHeadWidth = 0.28f, kLabel = 0.75f;  // of the font size
   constexpr DrawnColor kColors[] = {{0.84f, 0.19f, 0.15f}, {0.12f, 0.6f, 0.2f}, {0.2f, 0.42f, 0.9f}};
   constexpr const char* kNames[] = {"x", "y", "z"};
   const glm::mat3 rotation(camera.view_from_world);
@@ -257,7 +319,17 @@ DrawnColor ink_on(const DrawnColor& background) {
   return {level, level, level};
 }
 
-float default_font_size(float side) { return std::max(kMinFont, kFontShare * side); }
+float font_size_for(const LegendSettings& settings, float side) {
+  return std::min(settings.font_size > 0.0f ? settings.font_size : std::max(kMinFont, kFontShare * side),
+                  kMaxFontShare * side);
+}
+
+glm::vec2 legend_space(const LegendSettings& settings, int width, int height) {
+  const float font = font_size_for(settings, float(std::min(width, height)));
+  const float right = settings.color_bar ? kBarSpace * font / float(width) : 0.0f;
+  const float bottom = settings.axes ? kAxesSpace : settings.scale_bar ? kScaleSpace : 0.0f;
+  return {std::min(right, 0.5f), std::min(bottom * font / float(height), 0.5f)};
+}
 
 double round_length(double max) {
   const double power = std::pow(10.0, std::floor(std::log10(max)));
@@ -266,38 +338,35 @@ double round_length(double max) {
   return power;
 }
 
-std::vector<Tick> ticks_of(const ValueColors& values, int max_count) {
-  const double low = values.low, high = values.high;
-  std::vector<double> at;
-  double step = 0.0;
-  if (values.bands && int(values.colors.size()) <= max_count && values.scale == ValueColors::Scale::kLinear) {
-    const double count = double(values.colors.size()), width = (high - low) / count;
-    for (double k = 0.0; k <= count; ++k) at.push_back(low + k * width);
-    // As many decimals as the limits need, at most three digits of their distance.
-    for (step = std::pow(10.0, std::floor(std::log10(width))); step > 0.002 * width; step /= 10.0)
-      if (std::all_of(at.begin(), at.end(), [&](double v) { return std::abs(v / step - std::round(v / step)) < 1e-4; }))
-        break;
-  } else if (values.scale == ValueColors::Scale::kLinear) {
-    step = round_length((high - low) / double(max_count));
-    at = multiples(low, high, step);
-    while (int(at.size()) > max_count) {
-      step = round_length(2.5 * step * (1.0 + 1e-9));
-      at = multiples(low, high, step);
-    }
-  } else {
-    at = values.scale == ValueColors::Scale::kLog ? powers(low, high, max_count) : symlog_ticks(values, max_count);
-  }
-  std::vector<Tick> ticks;
+Ticks ticks_of(const ValueColors& values, int max_count) {
+  const bool linear = values.scale == ValueColors::Scale::kLinear;
+  const std::vector<double> at = values.bands ? band_limits(values, max_count)
+                                 : linear     ? round_numbers(values.low, values.high, max_count)
+                                 : values.scale == ValueColors::Scale::kLog ? powers(values.low, values.high, max_count)
+                                                                            : symlog_ticks(values, max_count);
+  double max = 0.0, min = std::numeric_limits<double>::infinity();
   for (const double v : at)
-    ticks.push_back({double(position_on_scale(values, float(v))), label_of(v, step > 0.0 ? step : std::abs(v))});
+    if (v != 0.0) max = std::max(max, std::abs(v)), min = std::min(min, std::abs(v));
+  Ticks ticks;
+  const bool scientific = max >= kMaxPlain || (max > 0.0 && (linear ? max : min) < kMinPlain);
+  const int exponent = linear && scientific ? exponent_of(max) : 0;
+  if (exponent != 0) ticks.factor = "\u00d7" + power_text(exponent);
+  std::vector<double> shown = at;
+  for (double& v : shown) v /= std::pow(10.0, exponent);
+  const int decimals = decimals_of(shown);
+  for (std::size_t k = 0; k < at.size(); ++k)
+    ticks.all.push_back({double(position_on_scale(values, float(at[k]))),
+                         linear ? plain_text(shown[k], decimals) : log_text(at[k], scientific)});
   return ticks;
 }
 
 Result<std::vector<DrawnLayer>> legends_of(const LegendSettings& settings, const Scene& scene, const Camera& camera,
                                            int width, int height) {
   const float side = float(std::min(width, height));
-  const float font = settings.font_size > 0.0f ? settings.font_size : default_font_size(side);
-  const Page page{float(width), float(height), font, settings.ink};
+  if (settings.any() && side < kMinSide)
+    return usage_error("{} x {} pixels are too small for bars and axes: draw at least {:g} on each side", width, height,
+                       kMinSide);
+  const Page page{float(width), float(height), font_size_for(settings, side), settings.ink};
   std::vector<DrawnLayer> layers;
   if (settings.color_bar) {
     if (!scene.value_colors)

@@ -1,5 +1,6 @@
 // Legends of a picture: a colour bar of its values, a scale bar, and the directions of the axes.
 #pragma once
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <string>
 #include <vector>
@@ -25,8 +26,11 @@ struct LegendSettings {
 /// Returns black or white, whichever is easier to read on a background.
 DrawnColor ink_on(const DrawnColor& background);
 
-/// Returns the default size of the font of a picture, pixels, from its shorter side.
-float default_font_size(float side);
+/// Returns the size of the font of a picture, pixels, whose shorter side is `side`.
+float font_size_for(const LegendSettings& settings, float side);
+
+/// Returns the fraction of a picture's width at the right, and of its height at the bottom, that legends take.
+glm::vec2 legend_space(const LegendSettings& settings, int width, int height);
 
 /// A tick of a colour bar.
 struct Tick {
@@ -34,9 +38,14 @@ struct Tick {
   std::string label;
 };
 
-/// Returns ticks at round numbers, at most `max_count` if the scale permits, in ascending order. Bands have ticks at
-/// their limits if these are few enough.
-std::vector<Tick> ticks_of(const ValueColors& values, int max_count);
+/// The ticks of a colour bar, in ascending order.
+struct Ticks {
+  std::vector<Tick> all;
+  std::string factor;  ///< of the labels, as text; empty: 1
+};
+
+/// Returns ticks at round numbers, about `max_count` at most. Bands have ticks at each n-th of their limits.
+Ticks ticks_of(const ValueColors& values, int max_count);
 
 /// Returns the largest of 1, 2 and 5 times a power of ten that is at most `max`, which is above 0.
 double round_length(double max);

@@ -23,28 +23,45 @@ ValueColors values_of(float low, float high, ValueColors::Scale scale = ValueCol
 
 std::string labels(const ValueColors& values, int count = 7) {
   std::vector<std::string> all;
-  for (const Tick& tick : ticks_of(values, count)) all.push_back(tick.label);
+  const Ticks ticks = ticks_of(values, count);
+  for (const Tick& tick : ticks.all) all.push_back(tick.label);
+  if (!ticks.factor.empty()) all.push_back(ticks.factor);
   return fmt::format("{}", fmt::join(all, " "));
 }
 
 TEST(Legend, TicksAreRound) {
   using Scale = ValueColors::Scale;
   EXPECT_EQ(labels(values_of(98.2f, 103.6f)), "99 100 101 102 103");
-  EXPECT_EQ(labels(values_of(0.0f, 1.0f)), "0 0.2 0.4 0.6 0.8 1.0");
-  EXPECT_EQ(labels(values_of(-0.013f, 0.011f)), "\u22120.010 \u22120.005 0 0.005 0.010");
-  EXPECT_EQ(labels(values_of(0.0f, 3e6f)),
-            "0 5\u00d710\u2075 10\u2076 1.5\u00d710\u2076 2\u00d710\u2076 2.5\u00d710\u2076 3\u00d710\u2076");
+  EXPECT_EQ(labels(values_of(0.0f, 1.0f)), "0.0 0.2 0.4 0.6 0.8 1.0");
+  EXPECT_EQ(labels(values_of(-0.013f, 0.011f)), "\u22120.010 \u22120.005 0.000 0.005 0.010");
+  EXPECT_EQ(labels(values_of(0.0f, 3e6f)), "0.0 0.5 1.0 1.5 2.0 2.5 3.0 \u00d710\u2076");
+  EXPECT_EQ(labels(values_of(-2e-9f, 1e-9f)),
+            "\u22122.0 \u22121.5 \u22121.0 \u22120.5 0.0 0.5 1.0 \u00d710\u207b\u2079");
+  EXPECT_EQ(labels(values_of(101325.0f, 101326.0f)), "101325.0 101325.2 101325.4 101325.6 101325.8 101326.0");
+  EXPECT_EQ(labels(values_of(0.1001f, 0.1002f)), "0.10010 0.10012 0.10014 0.10016 0.10018 0.10020");
   EXPECT_EQ(labels(values_of(0.01f, 1000.0f, Scale::kLog)), "0.01 0.1 1 10 100 1000");
+  EXPECT_EQ(labels(values_of(1e-6f, 1e6f, Scale::kLog)),
+            "10\u207b\u2076 10\u207b\u2074 10\u207b\u00b2 10\u2070 10\u00b2 10\u2074 10\u2076");
+  EXPECT_EQ(labels(values_of(2.0f, 7.0f, Scale::kLog)), "2 3 4 5 6 7");
   EXPECT_EQ(labels(values_of(-100.0f, 100.0f, Scale::kSymlog)), "\u2212100 \u221210 \u22121 0 1 10 100");
   ValueColors bands = values_of(0.0f, 1.0f);
   bands.bands = true, bands.colors.resize(4);
-  EXPECT_EQ(labels(bands), "0 0.25 0.50 0.75 1.00");
+  EXPECT_EQ(labels(bands), "0.00 0.25 0.50 0.75 1.00");
+  bands.colors.resize(12);
+  EXPECT_EQ(labels(bands), "0.000 0.167 0.333 0.500 0.667 0.833 1.000");
+  for (const float low : {-72.0f, 0.0f, 0.3f, 1e-5f, 40.0f})
+    for (const float range : {0.7f, 1.0f, 24.0f, 96.0f, 97.0f, 1234.5f})
+      for (const int count : {4, 5, 7, 9}) {
+        const std::size_t ticks = ticks_of(values_of(low, low + range), count).all.size();
+        EXPECT_LE(int(ticks), count) << low << " " << range;
+        EXPECT_GE(int(ticks), 2) << low << " " << range << " " << count;
+      }
 }
 
 TEST(Legend, TicksStandAtTheirValues) {
-  for (const Tick& tick : ticks_of(values_of(0.01f, 1000.0f, ValueColors::Scale::kLog), 7))
+  for (const Tick& tick : ticks_of(values_of(0.01f, 1000.0f, ValueColors::Scale::kLog), 7).all)
     EXPECT_NEAR(tick.place, (std::log10(std::stod(tick.label)) + 2.0) / 5.0, 1e-6);
-  const auto symlog = ticks_of(values_of(-10.0f, 10.0f, ValueColors::Scale::kSymlog), 7);
+  const auto symlog = ticks_of(values_of(-10.0f, 10.0f, ValueColors::Scale::kSymlog), 7).all;
   for (std::size_t k = 0; k < symlog.size(); ++k)
     EXPECT_NEAR(symlog[k].place, 1.0 - symlog[symlog.size() - 1 - k].place, 1e-6);
   for (const double max : {0.00123, 0.99, 1.0, 1.99, 4.9, 7.0, 123456.0}) {
@@ -181,7 +198,7 @@ TEST_F(Figure, LinesHaveLegends) {
 }
 
 TEST_F(Figure, LegendsHaveAFileOfTheirOwn) {
-  const std::string line = "values.ply --resolution 64x64 --color-by p ";
+  const std::string line = "values.ply --resolution 96x96 --color-by p ";
   good(line + "-o plain.png");
   good(line + "--color-bar --legend legend.png -o own.png");
   EXPECT_TRUE(bytes("plain.png") == bytes("own.png"));
@@ -218,6 +235,9 @@ TEST_F(Figure, WrongOptionsAreRefused) {
       {"--print-size 80,60 --resolution 64,64", "--resolution"},
       {"--axes --passes depth", "--legend"},
       {"--dpi 0", "--dpi"},
+      {"--axes --resolution 80", "at least 84"},
+      {"--axes --legend ./out.png", "the picture itself"},
+      {"--axes --legend a.png --turntable 3", "--turntable"},
   };
   for (const auto& [words, sentence] : cases) bad(std::string("values.ply -o out.png ") + words, 2, {sentence});
   bad("values.ply --axes -o out.exr", 2, {"--legend"});

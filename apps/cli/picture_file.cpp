@@ -62,11 +62,13 @@ Result<std::vector<RenderOptions>> options_by_model(const RenderOptions& o) {
   for (const std::string& model : o.models) {
     RenderOptions& one = all.emplace_back(o);
     one.models = {model};
-    for (std::string* file : {&one.output, &one.svg}) {
+    for (std::string* file : {&one.output, &one.svg, &one.figure.legend_file}) {
       if (!file->empty() && !has_stem(*file))
-        return field_error(file == &one.svg ? "--svg" : "--output", *file,
-                           "{0} '{1}' is one name for the pictures of all models: give a name such as 'out/{2}.png'",
-                           kStem);
+        return field_error(
+            file == &one.svg      ? "--svg"
+            : file == &one.output ? "--output"
+                                  : "--legend",
+            *file, "{0} '{1}' is one name for the pictures of all models: give a name such as 'out/{2}.png'", kStem);
       *file = with_stem(*file, model);
     }
     if (const auto [other, is_new] = models.emplace(one.output, model); !is_new)

@@ -227,7 +227,8 @@ Result<StripSizes> planned_strips(const RenderOptions& o, RenderJob& job, const 
   };
   if (o.writes_only("all")) return too_large("--passes", " all", "name the passes, or raise --memory");
   if (is_page(o.output) && !job.lines.alone)
-    return too_large("--output", o.output, "raise --memory, or write a .png, which can be drawn in strips");
+    return too_large("--output", fmt::format(" '{}'", o.output),
+                     "raise --memory, or write a .png, which can be drawn in strips");
   if (o.time_s > 0.0) return too_large("--time", "", "raise --memory, or lower --resolution");
   if (job.output.is_moving()) return too_large(job.output.option(), "", "raise --memory, or lower --resolution");
   return strips;

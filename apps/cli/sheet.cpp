@@ -10,10 +10,13 @@
 #include "apps/cli/picture_file.h"
 #include "apps/cli/progress.h"
 #include "core/lists.h"
+#include "core/lowercase.h"
+#include "effects/output/output.h"
 #include "io/drawing_of_strokes.h"
 #include "renderer/draw.h"
 #include "renderer/options.h"
 #include "renderer/passes.h"
+#include "renderer/strips.h"
 #include "renderer/written_passes.h"
 #include "scene/front.h"
 
@@ -22,7 +25,7 @@ namespace {
 
 constexpr int kPadding = 4;                           // pixels around a view, for lines on its outline
 constexpr float kMargin = 2.0f, kGap = 2.2f;          // around the page and between views, in sizes of the font
-constexpr float kMaxFontShare = 0.05f;              // of the shorter side of the page
+constexpr float kMaxFontShare = 0.05f;                // of the shorter side of the page
 constexpr float kLabel = 1.6f;                        // of the name below a view, in sizes of the font
 constexpr float kBarSpace = 9.0f, kNoteSpace = 2.5f;  // of a colour bar, and of the line with the scale, likewise
 
@@ -67,11 +70,11 @@ std::pair<double, std::string> standard_scale(double max) {
 }
 
 /// Returns the length of a unit in mm, or 0 if it is not known.
-double mm_of(std::string_view unit) {
+double mm_of(const std::string& unit) {
   constexpr std::pair<std::string_view, double> kUnits[] = {{"mm", 1.0},  {"cm", 10.0}, {"m", 1000.0},  {"km", 1e6},
                                                             {"um", 1e-3}, {"in", 25.4}, {"inch", 25.4}, {"ft", 304.8}};
   for (const auto& [name, mm] : kUnits)
-    if (unit == name) return mm;
+    if (lowercase(unit) == name) return mm;
   return 0.0;
 }
 
@@ -88,11 +91,11 @@ std::vector<NamedView> views_of(const RenderOptions& o, const glm::vec3& up) {
 }
 
 SheetSettings settings_of(const RenderOptions& o) {
-  const float font = o.figure.legend.font_size, side = float(std::min(o.request.width, o.request.height));
+  const float side = float(std::min(o.request.width, o.request.height));
   return {.first_angle = o.projection == "first",
           .width = o.request.width,
           .height = o.request.height,
-          .font = font > 0.0f ? font : std::min(default_font_size(side), kMaxFontShare * side),
+          .font = std::min(font_size_for(o.figure.legend, side), kMaxFontShare * side),
           .mm_per_pixel = o.figure.dpi > 0.0 ? double(o.figure.mm_per_pixel()) : 0.0,
           .mm_per_unit = mm_of(o.figure.legend.length_unit)};
 }
@@ -172,6 +175,13 @@ DrawnLayer notes_of(const SheetLayout& layout, const std::vector<NamedView>& vie
   return layer;
 }
 
+/// Returns the colour of the page; none if it is transparent.
+std::optional<DrawnColor> background_of(const RenderOptions& o, const Recipe& recipe) {
+  if (o.request.transparent) return std::nullopt;
+  const auto& output = params_of<OutputParams>(recipe.settings);
+  return DrawnColor{output.background_r, output.background_g, output.background_b};
+}
+
 /// Returns a camera whose window is the page at the scale of the views, for the scale bar.
 Camera page_camera(const SheetLayout& layout, const SheetSettings& settings) {
   return orthographic_camera({0.0f, 0.0f, 1.0f}, {}, {0.0f, 1.0f, 0.0f},
@@ -193,7 +203,7 @@ Result<void> write_sheet(const RenderOptions& o, const RenderJob& job, const She
   Drawing page{.width = float(width),
                .height = float(height),
                .mm_per_unit = in_units ? float(1.0 / layout.pixels_per_unit) : o.figure.mm_per_pixel(),
-               .background = job.lines.style.background,
+               .background = background_of(o, job.recipe),
                .layers = std::move(sheet.layers)};
   if (!legends.own_file) page.layers.insert(page.layers.end(), legends.layers.begin(), legends.layers.end());
   return write_page(o.output, page);
@@ -233,7 +243,8 @@ Result<SheetLayout> layout_of(const Scene& scene, const std::vector<NamedView>& 
   if (wide > 0.0f) scale = double(free_x) / double(wide);
   if (high > 0.0f) scale = std::min(scale, double(free_y) / double(high));
   if (!(free_x > 0.0f && free_y > 0.0f))
-    return field_error("width", settings.width, "`{0}` {1} is too small for {2} views: raise it", views.size());
+    return field_error("--views", "", "a page of {2} x {3} pixels is too small for {4} views", settings.width,
+                       settings.height, views.size());
   if (settings.mm_per_pixel > 0.0 && settings.mm_per_unit > 0.0) {
     const double per_scale = settings.mm_per_unit / settings.mm_per_pixel;  // pixels per unit at 1:1
     const auto [standard, text] = standard_scale(scale / per_scale);
@@ -298,14 +309,24 @@ Result<void> apply_sheet_options(RenderOptions& o) {
   if (camera.position || camera.focal_point || camera.direction || camera.view_up || camera.index ||
       camera.azimuth_deg != 0.0f || camera.elevation_deg != 0.0f || camera.zoom != 1.0f)
     return field_error("--views", o.view_names, "{} {} places the camera: leave out its other options");
-  if (o.turntable > 0 || !o.camera_path.empty() || o.animates || o.writes_passes() || is_video(o.output) ||
-      o.time_s > 0.0)
+  if (o.turntable > 0 || !o.camera_path.empty() || o.animates || is_video(o.output) || o.writes_passes() ||
+      o.time_s > 0.0 || !o.svg.empty() || o.same_view)
     return field_error("--views", o.view_names,
-                       "{} {} makes one picture: leave out --turntable, --camera-path, --animate, --passes and --time");
+                       "{} {} makes one picture or page of one model: leave out videos, --turntable, --camera-path, "
+                       "--animate, --passes, --time, --svg and --same-view");
+  if (const auto extension = extension_of(o.output);
+      extension && !holds_display_values(*extension) && !is_page(o.output))
+    return field_error("--output", o.output, "{} '{}' holds light, and --views makes a page: write .png, .svg or .pdf");
+  if (o.figure.dpi > 0.0 && !o.figure.legend.length_unit.empty() && mm_of(o.figure.legend.length_unit) == 0.0)
+    print_warning(
+        fmt::format("the scale is not written: the length of --length-unit '{}' is not known, as those of mm, "
+                    "cm, m, km, um, in and ft are",
+                    o.figure.legend.length_unit));
   if (o.figure.legend.axes)
     return field_error("--axes", true, "{} shows the directions of one view: leave it out, or --views");
   o.request.camera.orthographic = true;
-  if (!o.request.background) o.request.background = {1.0f, 1.0f, 1.0f};
+  if (!o.request.background && !o.request.transparent && o.request.style.empty())
+    o.request.background = {1.0f, 1.0f, 1.0f};
   if (o.request.ground == "auto") o.request.ground = "off";
   return {};
 }
@@ -317,14 +338,21 @@ Result<void> draw_sheet(const RenderOptions& o, const RenderJob& job, Device& de
   if (o.figure.legend.color_bar && o.figure.legend_file.empty()) room.width -= int(kBarSpace * settings.font);
   const auto layout = layout_of(scene, views, room);
   if (!layout) return layout.error();
+  const auto plan = make_plan(job.recipe, scene, device.threads());
+  if (!plan) return plan.error();
+  if (const auto strips = plan_strips(device, *plan, job.memory); !strips || strips->rows > 0)
+    return field_error("--views", o.view_names, "{} of {} x {} pixels need more than --memory {}: raise it",
+                       settings.width, settings.height, o.memory);
+  const auto background = background_of(o, job.recipe);
+  const DrawnColor paper = background.value_or(DrawnColor{1.0f, 1.0f, 1.0f});
   Sheet sheet;
   if (!is_page(o.output)) {
     sheet.picture = Image(settings.width, settings.height);
-    const float alpha = o.request.transparent ? 0.0f : 1.0f;
+    const float alpha = background ? 1.0f : 0.0f;
     for (const std::string& name : picture_planes(o, {o.output, nullptr, {}})) {
       const std::size_t channel = name.ends_with(".r") ? 0 : name.ends_with(".g") ? 1 : 2;
-      sheet.picture.add(name) = Plane(settings.width, settings.height,
-                                      name.ends_with(".a") ? alpha : (*o.request.background)[channel] * alpha);
+      sheet.picture.add(name) =
+          Plane(settings.width, settings.height, name.ends_with(".a") ? alpha : paper[channel] * alpha);
     }
   }
   std::optional<float> stops;
@@ -349,7 +377,7 @@ Result<void> draw_sheet(const RenderOptions& o, const RenderJob& job, Device& de
   line.wipe();
   const auto legends = make_legends(o, scene, page_camera(*layout, settings), job.recipe);
   if (!legends) return legends.error();
-  sheet.layers.push_back(notes_of(*layout, views, settings, ink_on(*o.request.background)));
+  sheet.layers.push_back(notes_of(*layout, views, settings, ink_on(paper)));
   if (auto written = write_sheet(o, job, *layout, *legends, sheet); !written) return written;
   times.done("write");
   return write_legends(o, *legends, job.recipe);

@@ -115,9 +115,25 @@ TEST_F(Sheet, WrongOptionsAreRefused) {
       {"--views front --axes", "--axes"},
       {"--views front --projection second", "first or third"},
       {"--projection first", "--views"},
-      {"--views front,back,left,right,top --resolution 64", "raise it"},
+      {"--views front,back,left,right,top --resolution 32", "too small"},
+      {"--views front --camera-view-angle 20", "leave out its other options"},
+      {"--views front --look cartoon --svg b.svg", "--svg"},
+      {"--views front --same-view", "--same-view"},
+      {"--views front --resolution 4000 --memory 20M", "--memory"},
   };
   for (const auto& [words, sentence] : cases) bad(std::string("box.obj -o out.png ") + words, 2, {sentence});
+}
+
+TEST_F(Sheet, HasTheBackgroundOfAStyle) {
+  bad("box.obj --views front -o out.exr", 2, {".png, .svg or .pdf"});
+  good("box.obj --look cartoon --views front,top --style dark --resolution 400x300 -o out.svg");
+  ASSERT_EQ(std::system(fmt::format("cd {} && rsvg-convert out.svg -o svg.png", quoted(folder_.string())).c_str()), 0);
+  const Image page = image("svg.png");
+  EXPECT_LT(page.plane("color.g").at(5, 5), 0.4f);
+  float max = 0.0f;
+  for (int y = 0; y < page.height; ++y)
+    for (int x = 0; x < page.width; ++x) max = std::max(max, page.plane("color.g").at(x, y));
+  EXPECT_GT(max, 0.7f);  // lines and names
 }
 
 }  // namespace
