@@ -1,0 +1,189 @@
+#include "scene/section.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "core/numbers.h"
+#include "scene/framing.h"
+#include "scene/section_parts.h"
+
+namespace umbrage {
+namespace {
+
+constexpr std::string_view kAxes = "xyz";
+constexpr double kInPlane = 2e-7;  // of the radius, a few roundings of floats: distances that count as 0
+
+/// The positions of a scene along a direction, in its coordinates.
+struct Range {
+  double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
+};
+
+Range range_along(const glm::dvec3& normal, const Scene& scene) {
+  Range range;
+  for (const Mesh& mesh : scene.meshes) {
+    if (mesh.object == scene.ground_object) continue;
+    for (const glm::vec3& p : mesh.positions) {
+      const double at = glm::dot(normal, glm::dvec3(p));
+      range.low = std::min(range.low, at), range.high = std::max(range.high, at);
+    }
+  }
+  return range;
+}
+
+/// Returns the axis of a normal, or -1.
+int axis_of(const glm::dvec3& normal) {
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(normal[k]) == 1.0) return k;
+  return -1;
+}
+
+/// Returns a plane in the coordinates of the scene, with its normal towards what is removed.
+CutPlane cut_plane(const SectionPlane& plane, const glm::vec3& eye, const Scene& scene) {
+  CutPlane out{.normal = plane.normal,
+               .offset = plane.offset - glm::dot(plane.normal, scene.origin),
+               .tolerance = kInPlane * double(scene.radius()),
+               .text = plane.text};
+  if (plane.is_fraction) {
+    const int axis = axis_of(plane.normal);
+    const double low = scene.bounds_min[axis], high = scene.bounds_max[axis];
+    out.offset = low + plane.offset * (high - low);
+  }
+  const bool eye_is_below = glm::dot(out.normal, glm::dvec3(eye)) < out.offset;
+  if (plane.kept == SectionPlane::Kept::kAbove || (plane.kept == SectionPlane::Kept::kFar && eye_is_below))
+    out.normal = -out.normal, out.offset = -out.offset;
+  return out;
+}
+
+/// Returns the error for a plane that leaves nothing of a model, or all of it.
+Error missed_error(const CutPlane& plane, const char* what, const Scene& scene) {
+  const int axis = axis_of(plane.normal);
+  const glm::dvec3 normal = axis >= 0 ? glm::abs(plane.normal) : plane.normal;
+  const Range range = range_along(normal, scene);
+  const double shift = glm::dot(normal, scene.origin);
+  return field_error("sections", plane.text, "`{}` '{}' {}: along {} '{}' extends from {:g} to {:g}", what,
+                     axis >= 0 ? std::string(1, kAxes[std::size_t(axis)])
+                               : fmt::format("the unit normal {:.3g},{:.3g},{:.3g}", normal.x, normal.y, normal.z),
+                     scene.name, range.low + shift, range.high + shift);
+}
+
+/// Checks that planes cut a model. `may_miss`: some of its poses, or of several models, may stay whole.
+Result<void> check_planes(std::span<const CutPlane> planes, bool may_miss, const Scene& scene) {
+  for (const CutPlane& plane : planes) {
+    const Range range = range_along(plane.normal, scene);
+    if (range.low >= plane.offset - plane.tolerance) return missed_error(plane, "leaves nothing", scene);
+    if (range.high <= plane.offset + plane.tolerance && !may_miss) return missed_error(plane, "cuts nothing", scene);
+  }
+  return {};
+}
+
+void warn_of_section(const std::vector<SectionPart>& parts, bool has_spheres, Scene& scene) {
+  const auto open = std::count_if(parts.begin(), parts.end(), [](const SectionPart& part) { return part.is_open; });
+  if (open > 0)
+    scene.warnings.push_back(fmt::format("{} {} not closed where `sections` cut{} and {} no cap there", open,
+                                         open == 1 ? "part is" : "parts are", open == 1 ? " it" : " them",
+                                         open == 1 ? "has" : "have"));
+  if (has_spheres)
+    scene.warnings.push_back("`sections` cut no spheres: each is drawn if its centre is on the side that stays");
+}
+
+}  // namespace
+
+Result<SectionPlane> parse_section(std::string_view text) {
+  const auto refused = [&](const char* reason) {
+    return field_error(
+        "sections", text,
+        "`{}` cannot be '{}'{}: it takes x=0.4, y=50%, z<0.4 or z>0.4 (the side that stays), or nx,ny,nz,d", reason);
+  };
+  SectionPlane plane{.text = std::string(text)};
+  if (const std::size_t axis = text.empty() ? kAxes.npos : kAxes.find(char(text[0] | 0x20)); axis != kAxes.npos) {
+    if (text.size() < 3 || std::string_view("=<>").find(text[1]) == std::string_view::npos) return refused("");
+    std::string_view number = text.substr(2);
+    plane.is_fraction = number.ends_with('%');
+    if (plane.is_fraction) number.remove_suffix(1);
+    const auto value = parse_number(number);
+    if (!value) return refused("");
+    plane.normal[int(axis)] = 1.0;
+    plane.offset = plane.is_fraction ? *value / 100.0 : *value;
+    plane.kept = text[1] == '<'   ? SectionPlane::Kept::kBelow
+                 : text[1] == '>' ? SectionPlane::Kept::kAbove
+                                  : SectionPlane::Kept::kFar;
+    return plane;
+  }
+  std::array<double, 4> numbers{};
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    const std::size_t end = text.find(',');
+    const auto value = parse_number(text.substr(0, end));
+    if (!value || (end == text.npos) != (k + 1 == numbers.size())) return refused("");
+    numbers[k] = *value;
+    text.remove_prefix(end == text.npos ? text.size() : end + 1);
+  }
+  const glm::dvec3 normal(numbers[0], numbers[1], numbers[2]);
+  const double length = glm::length(normal);
+  text = plane.text;
+  if (!(length > 0.0) || !std::isfinite(length)) return refused(", whose normal has no length");
+  plane.normal = normal / length;
+  plane.offset = numbers[3] / length;
+  plane.kept = SectionPlane::Kept::kBelow;
+  return plane;
+}
+
+std::string key_of(const SectionSettings& settings) {
+  std::string key = fmt::format(" sections {}", settings.hatched);
+  for (const SectionPlane& plane : settings.planes) key += " " + plane.text;
+  if (settings.tint) key += fmt::format(" {} {} {}", settings.tint->r, settings.tint->g, settings.tint->b);
+  return key;
+}
+
+Result<void> cut_scene(const SectionSettings& settings, Scene& scene) {
+  if (settings.planes.empty()) return {};
+  const bool may_miss = scene.start || !scene.motion.empty();
+  const float radius = scene.radius();
+  const glm::vec3 eye = frame_scene(scene, {}, 1, 1).eye();
+  std::vector<CutPlane> planes;
+  for (const SectionPlane& plane : settings.planes) planes.push_back(cut_plane(plane, eye, scene));
+  if (auto checked = check_planes(planes, may_miss, scene); !checked) return checked;
+  auto around = scene.motion.empty() ? points_around(scene) : scene.motion;
+  if (!scene.start) scene.start = std::make_shared<const Scene>(scene);
+
+  std::vector<PartedMesh> meshes;
+  std::optional<Mesh> ground;
+  bool has_spheres = false;
+  for (Mesh& mesh : scene.meshes) {
+    if (mesh.object == scene.ground_object) {
+      ground = std::move(mesh);
+      continue;
+    }
+    has_spheres |= mesh.spheres;
+    meshes.push_back({.mesh = std::move(mesh), .parts = {}});
+  }
+  std::vector<SectionPart> parts(find_parts(meshes));
+  const std::size_t model_meshes = meshes.size();
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    std::vector<CutSegment> segments;
+    for (PartedMesh& mesh : meshes) cut_mesh(planes[k], mesh, segments);
+    for (PartedMesh& cap : caps_of(planes[k], std::move(segments), scene.up, parts)) {
+      cap.cap_of = int(k);
+      meshes.push_back(std::move(cap));
+    }
+  }
+
+  scene.meshes.clear();
+  for (std::size_t k = 0; k < model_meshes; ++k)
+    if (!meshes[k].mesh.positions.empty()) scene.meshes.push_back(std::move(meshes[k].mesh));
+  if (ground) scene.meshes.push_back(std::move(*ground));
+  meshes.erase(meshes.begin(), meshes.begin() + std::ptrdiff_t(model_meshes));
+  add_caps(settings, planes, std::move(meshes), parts, radius, scene);
+  if (scene.meshes.size() == std::size_t(bool(ground)))
+    return field_error("sections", planes.back().text, "`{}` up to '{}' leave nothing of '{}'", scene.name);
+  set_motion(std::move(around), scene);
+  scene.shape_facts = std::make_shared<ShapeFacts>();
+  warn_of_section(parts, has_spheres, scene);
+  return {};
+}
+
+}  // namespace umbrage
