@@ -53,7 +53,8 @@ Result<SectionSettings> section_settings(const Request& request, const Recipe& r
     settings.planes.push_back(std::move(*plane));
   }
   settings.hatched = has_lines(*recipe.look);
-  settings.tint = recipe.look->is_colorless ? kPaper : recipe.values ? std::optional(kGrey) : recipe.clay;
+  settings.is_blank = recipe.look->is_colorless;
+  settings.tint = settings.is_blank ? kPaper : recipe.values ? std::optional(kGrey) : recipe.clay;
   return settings;
 }
 

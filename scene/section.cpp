@@ -72,11 +72,15 @@ Error missed_error(const CutPlane& plane, const char* what, const Scene& scene) 
 }
 
 /// Checks that planes cut a model. `may_miss`: some of its poses, or of several models, may stay whole.
-Result<void> check_planes(std::span<const CutPlane> planes, bool may_miss, const Scene& scene) {
-  for (const CutPlane& plane : planes) {
+Result<void> check_planes(const SectionSettings& settings, std::span<const CutPlane> planes, bool may_miss,
+                          const Scene& scene) {
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    const CutPlane& plane = planes[k];
     const Range range = range_along(plane.normal, scene);
-    if (range.low >= plane.offset - plane.tolerance) return missed_error(plane, "leaves nothing", scene);
-    if (range.high <= plane.offset + plane.tolerance && !may_miss) return missed_error(plane, "cuts nothing", scene);
+    const bool leaves_nothing = range.low >= plane.offset - plane.tolerance;
+    if (!leaves_nothing && (may_miss || range.high > plane.offset + plane.tolerance)) continue;
+    const bool is_aimed = settings.planes[k].kept != SectionPlane::Kept::kFar;
+    return missed_error(plane, leaves_nothing && is_aimed ? "leaves nothing" : "cuts nothing", scene);
   }
   return {};
 }
@@ -94,12 +98,12 @@ void warn_of_section(const std::vector<SectionPart>& parts, bool has_spheres, Sc
 }  // namespace
 
 Result<SectionPlane> parse_section(std::string_view text) {
+  SectionPlane plane{.text = std::string(text)};
   const auto refused = [&](const char* reason) {
     return field_error(
-        "sections", text,
+        "sections", plane.text,
         "`{}` cannot be '{}'{}: it takes x=0.4, y=50%, z<0.4 or z>0.4 (the side that stays), or nx,ny,nz,d", reason);
   };
-  SectionPlane plane{.text = std::string(text)};
   if (const std::size_t axis = text.empty() ? kAxes.npos : kAxes.find(char(text[0] | 0x20)); axis != kAxes.npos) {
     if (text.size() < 3 || std::string_view("=<>").find(text[1]) == std::string_view::npos) return refused("");
     std::string_view number = text.substr(2);
@@ -124,7 +128,6 @@ Result<SectionPlane> parse_section(std::string_view text) {
   }
   const glm::dvec3 normal(numbers[0], numbers[1], numbers[2]);
   const double length = glm::length(normal);
-  text = plane.text;
   if (!(length > 0.0) || !std::isfinite(length)) return refused(", whose normal has no length");
   plane.normal = normal / length;
   plane.offset = numbers[3] / length;
@@ -146,7 +149,7 @@ Result<void> cut_scene(const SectionSettings& settings, Scene& scene) {
   const glm::vec3 eye = frame_scene(scene, {}, 1, 1).eye();
   std::vector<CutPlane> planes;
   for (const SectionPlane& plane : settings.planes) planes.push_back(cut_plane(plane, eye, scene));
-  if (auto checked = check_planes(planes, may_miss, scene); !checked) return checked;
+  if (auto checked = check_planes(settings, planes, may_miss, scene); !checked) return checked;
   auto around = scene.motion.empty() ? points_around(scene) : scene.motion;
   if (!scene.start) scene.start = std::make_shared<const Scene>(scene);
 
@@ -179,7 +182,8 @@ Result<void> cut_scene(const SectionSettings& settings, Scene& scene) {
   meshes.erase(meshes.begin(), meshes.begin() + std::ptrdiff_t(model_meshes));
   add_caps(settings, planes, std::move(meshes), parts, radius, scene);
   if (scene.meshes.size() == std::size_t(bool(ground)))
-    return field_error("sections", planes.back().text, "`{}` up to '{}' leave nothing of '{}'", scene.name);
+    return field_error("sections", planes.back().text, "`{}` '{}' leaves nothing of what the others leave of '{}'",
+                       scene.name);
   set_motion(std::move(around), scene);
   scene.shape_facts = std::make_shared<ShapeFacts>();
   warn_of_section(parts, has_spheres, scene);

@@ -27,6 +27,7 @@ struct SectionPlane {
 
 struct SectionSettings {
   std::vector<SectionPlane> planes;
+  bool is_blank = false;          ///< caps are white in looks that draw tones by lines
   bool hatched = false;           ///< caps are divided into strips, each an object, between which looks draw lines
   std::optional<glm::vec3> tint;  ///< caps have shades of this colour, linear; not set: a colour for each part
 };

@@ -246,6 +246,7 @@ int cap_material(const SectionSettings& settings, int style, std::array<int, kCa
   const auto& c = kColors[style];
   made.albedo = settings.tint ? *settings.tint * (settings.hatched ? 1.0f : kShades[style])
                               : glm::vec3(linear_from_srgb(c[0]), linear_from_srgb(c[1]), linear_from_srgb(c[2]));
+  if (settings.is_blank) made.emission = glm::vec3(1.0f);
   scene.materials.push_back(std::move(made));
   return material;
 }
