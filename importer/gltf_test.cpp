@@ -32,6 +32,31 @@ TEST_F(GltfTest, ReadsQuantizedPositionsAndNormalisedIntegers) {
   }
 }
 
+TEST_F(GltfTest, ReadsAttributesOfTheApplicationAsFields) {
+  GltfBuilder b = GltfBuilder::triangle();
+  auto& attributes = b.primitive()["attributes"];
+  attributes["_PRESSURE"] = b.add(std::vector<float>{1, 2, 3}, "SCALAR", 1);
+  attributes["_FLOW"] = b.add(std::vector<float>{1, 2, 3, 4, 5, 6, 7, 8, 9}, "VEC3", 3);
+  attributes["_SHORT"] = b.add(std::vector<float>{1, 2}, "SCALAR", 1);
+  EXPECT_TRUE(read(b).meshes.at(0).fields.empty());
+  ImportSettings settings;
+  settings.field = "_FLOW";
+  const auto flow = try_read("flow.gltf", b.gltf(), settings);
+  ASSERT_TRUE(flow);
+  ASSERT_EQ(flow->meshes.at(0).fields.size(), 1u);
+  const Field& field = flow->meshes[0].fields[0];
+  EXPECT_EQ(field.components, 3);
+  for (std::size_t v = 0; v < 3; ++v) {
+    const glm::vec3 p = flow->meshes[0].positions[v];
+    EXPECT_EQ(field.values[3 * v], p.x == 0.0f && p.y == 0.0f ? 1.0f : p.y == 0.0f ? 4.0f : 7.0f);
+  }
+  settings.field = "";
+  const auto all = try_read("all.gltf", b.gltf(), settings);
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->meshes.at(0).fields.size(), 2u);
+  EXPECT_TRUE(warns(*all, "_SHORT of the mesh")) << warnings_of(*all);
+}
+
 TEST_F(GltfTest, ModelsFaceAlongZ) {
   const Scene scene = read(GltfBuilder::triangle());
   EXPECT_TRUE(scene.has_front);

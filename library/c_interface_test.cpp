@@ -514,6 +514,15 @@ TEST(CInterface, InvalidMeshesAreErrors) {
   refused(umbSetMeshFloats(o.scene, mesh, "albedo", bad, 3), "albedo");
   refused(umbSetMeshFloats(o.scene, mesh, "albedo", bad, 1), "3 numbers");
   refused(umbSetMeshFloats(o.scene, mesh, "colour", bad, 1), "no parameter 'colour'");
+  const float values[12] = {};
+  refused(umbSetMeshValues(o.scene, mesh, "p", false, nullptr, UMB_TYPE_FLOAT32, 1, 0), "NULL");
+  refused(umbSetMeshValues(o.scene, mesh, "", false, values, UMB_TYPE_FLOAT32, 1, 0), "empty");
+  refused(umbSetMeshValues(o.scene, mesh, "p", false, values, UMB_TYPE_FLOAT16, 1, 0), "16-bit floats");
+  refused(umbSetMeshValues(o.scene, mesh, "p", false, values, UMB_TYPE_FLOAT32, 0, 0), "0 channels");
+  refused(umbSetMeshValues(o.scene, mesh, "p", true, values, UMB_TYPE_FLOAT32, 17, 0), "17 channels");
+  refused(umbSetMeshValues(o.scene, umbAddMesh(o.scene, "cloud", 2, 0), "p", true, values, UMB_TYPE_FLOAT32, 1, 0),
+          "the mesh has none");
+  EXPECT_EQ(umbSetMeshValues(o.scene, mesh, "p", true, values, UMB_TYPE_FLOAT32, 1, 0), UMB_ERROR_NONE);
   refused(umbSetSceneParameter(o.scene, "down", "+Y"), "no parameter 'down'");
   refused(umbSetSceneParameter(o.scene, "up", "sideways"), "`up`");
   EXPECT_EQ(umbLoadModel(o.scene, "missing.obj"), UMB_ERROR_FILE);

@@ -253,8 +253,11 @@ Result<void> JobObject::prepare_scene(Recipe& recipe, const ProgressMonitor& mon
   device_->release_later(std::move(deferred));
   kept_.clear();
   completed_ = {};
+  const std::size_t reported = copied->warnings.size();
   auto made = completed(std::move(*copied), recipe, scene_->version());
   if (!made) return made.error();
+  for (std::size_t k = reported; k < made->scene->warnings.size(); ++k)
+    device_->report_warning(made->scene->warnings[k]);
   completed_ = std::move(*made);
   return {};
 }

@@ -55,7 +55,7 @@ Result<void> check_setting(const std::string& assignment) {
 
 bool is_parameter(const Option& row, std::string_view owner) {
   if (std::holds_alternative<std::monostate>(row.where) || row.group == "Device") return false;
-  if (owner == "scene") return row.group == "Scene";
+  if (owner == "scene") return row.group == "Scene" || row.field == "color_by";  // models are read with that field
   if (row.group == "Scene" || row.field == "model" || row.field == "settings" || row.field == "passes") return false;
   return owner == "render" ? row.group != "G-buffer" && row.group != "Files"
                            : (row.commands & kShade) != 0 || row.field == "strokes";

@@ -42,6 +42,8 @@ Result<void> expect(const Buffer& buffer, const std::string& name, std::initiali
   return {};
 }
 
+constexpr int kMaxComponents = 16;  // of values
+
 /// Copies floats to vectors, one vector for each element.
 template <class Vector>
 void copy_floats(const Buffer& buffer, std::size_t count, std::vector<Vector>& to) {
@@ -118,6 +120,30 @@ Result<void> set_buffer(const std::string& name, const Buffer& buffer, SharedMes
   return {};
 }
 
+/// Sets a field of values. Errors: kUsage.
+Result<void> set_values(const std::string& name, const Buffer& buffer, bool on_triangles, SharedMesh& shared) {
+  if (name.empty()) return usage_error("the name of a mesh's values is empty");
+  if (auto status =
+          expect(buffer, name, {PixelType::kFloat32, PixelType::kUint8, PixelType::kUint16, PixelType::kUint32}, 1,
+                 kMaxComponents);
+      !status)
+    return status;
+  if (on_triangles && shared.mesh.points)
+    return usage_error("the values '{}' are of triangles: the mesh has none", name);
+  Field field{.name = name, .components = buffer.channels, .on_triangles = on_triangles, .values = {}};
+  const std::size_t count = on_triangles ? shared.triangles : shared.vertices;
+  field.values.reserve(count * std::size_t(buffer.channels));
+  for (std::size_t k = 0; k < count; ++k)
+    for (int c = 0; c < buffer.channels; ++c)
+      field.values.push_back(buffer.type == PixelType::kFloat32  ? buffer.at<float>(k, c)
+                             : buffer.type == PixelType::kUint8  ? float(buffer.at<std::uint8_t>(k, c))
+                             : buffer.type == PixelType::kUint16 ? float(buffer.at<std::uint16_t>(k, c))
+                                                                 : float(buffer.at<std::uint32_t>(k, c)));
+  std::erase_if(shared.mesh.fields, [&](const Field& each) { return each.name == name; });
+  shared.mesh.fields.push_back(std::move(field));
+  return {};
+}
+
 Result<void> set_floats(const std::string& name, std::span<const float> values, SharedMesh& shared) {
   constexpr std::array<std::string_view, 5> kNames = {"albedo", "emission", "specular", "shininess", "alpha_cutoff"};
   const std::size_t count = name == "albedo" || name == "emission" ? 3 : 1;
@@ -156,6 +182,19 @@ Result<Texture> texture_of(const std::string& name, const UmbImage& from) {
   return texture;
 }
 
+/// Checks a buffer of the caller for all vertices or triangles of a mesh. Errors: kUsage.
+Result<Buffer> buffer_of(const std::string& name, const void* data, int type, int channels, std::ptrdiff_t stride,
+                         const SharedMesh& shared) {
+  if (!data) return usage_error("the buffer '{}' is NULL", name);
+  const auto known = pixel_type(type);
+  if (!known) return known.error();
+  const auto fits =
+      check_stride(fmt::format("the buffer '{}'", name), stride, std::max(shared.vertices, shared.triangles));
+  if (!fits) return fits.error();
+  const auto packed = std::ptrdiff_t(size_of(*known)) * channels;
+  return Buffer{static_cast<const std::byte*>(data), *known, channels, stride != 0 ? stride : packed};
+}
+
 /// Runs `change` on a mesh of a scene.
 template <class Change>
 UmbError change_mesh(UmbScene scene, int mesh, const char* call, const Change& change) {
@@ -176,16 +215,16 @@ using namespace umbrage;  // the functions below are C's
 UmbError umbSetMeshBuffer(UmbScene scene, int mesh, const char* name, const void* data, UmbType type, int channels,
                           ptrdiff_t stride) {
   return change_mesh(scene, mesh, "umbSetMeshBuffer", [&](SharedMesh& shared) -> Result<void> {
-    if (!data) return usage_error("the buffer '{}' is NULL", text_of(name));
-    const auto known = pixel_type(type);
-    if (!known) return known.error();
-    if (const auto fits = check_stride(fmt::format("the buffer '{}'", text_of(name)), stride,
-                                       std::max(shared.vertices, shared.triangles));
-        !fits)
-      return fits;
-    const auto packed = std::ptrdiff_t(size_of(*known)) * channels;
-    return set_buffer(text_of(name),
-                      {static_cast<const std::byte*>(data), *known, channels, stride != 0 ? stride : packed}, shared);
+    const auto buffer = buffer_of(text_of(name), data, type, channels, stride, shared);
+    return buffer ? set_buffer(text_of(name), *buffer, shared) : buffer.error();
+  });
+}
+
+UmbError umbSetMeshValues(UmbScene scene, int mesh, const char* name, bool of_triangles, const void* data, UmbType type,
+                          int components, ptrdiff_t stride) {
+  return change_mesh(scene, mesh, "umbSetMeshValues", [&](SharedMesh& shared) -> Result<void> {
+    const auto buffer = buffer_of(text_of(name), data, type, components, stride, shared);
+    return buffer ? set_values(text_of(name), *buffer, of_triangles, shared) : buffer.error();
   });
 }
 

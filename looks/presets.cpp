@@ -53,7 +53,7 @@ const LookPresets& value_presets() {
                                       "gooch.yellow=0",
                                       "gooch.alpha=0.45",
                                       "gooch.beta=1",
-                                      "gooch.values=light",
+                                      "gooch.hue=0",
                                       "gooch.highlight=0",
                                       "output.tone=hue",
                                       "output.metering=none",

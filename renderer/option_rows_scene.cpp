@@ -2,7 +2,6 @@
 #include "core/device.h"
 #include "looks/presets.h"
 #include "renderer/option_rows.h"
-#include "scene/color_maps.h"
 
 namespace umbrage {
 namespace {
@@ -57,13 +56,11 @@ std::vector<Option> scene_options() {
           "none: the model's own colours", in<&Request::color_by>),
       row("Values", kRender, "color_component", "component", "component of vectors: a number from 0, or x, y or z",
           "the length of vectors", in<&Request::color_component>),
-      {.field = "color_map",
-       .option = "color-map",
-       .group = "Values",
-       .help = "colour map by its name, reversed with _r: viridis_r; or a file with a colour per line",
-       .initial = "viridis",
-       .where = in<&Request::color_map>,
-       .names = color_map_names},
+      row("Values", kRender, "color_map", "color-map",
+          "colour map: viridis, cividis, magma, inferno, plasma, turbo, coolwarm, RdBu, Spectral or gray, reversed "
+          "with "
+          "_r (viridis_r); or a file with a colour per line",
+          "viridis", in<&Request::color_map>),
       with_form(row("Values", kRender, "color_range", "color-range",
                     "values low,high at the ends of the colour map; others get the colours of the ends",
                     "the range of the values", in<&Request::color_range>),

@@ -429,11 +429,11 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_m
   if (quality)
     apply_presets(quality->name, averages_occlusion ? quality->settings_of_averaged : quality->settings,
                   recipe.settings);
-  apply_environment(request, recipe);
   if (recipe.values) {
     apply_presets(look.name, value_presets(), recipe.settings);
     apply_presets(look.name, look.value_presets, recipe.settings);
   }
+  apply_environment(request, recipe);
   // The reference computes indirect light, too, if the look's technique does, unless the request sets it.
   if (recipe.occlusion == reference_effect().name && computes_indirect_light(look, recipe.settings))
     as<ReferenceParams>(params_of(recipe.settings, recipe.occlusion)).light = kReferenceBounce;

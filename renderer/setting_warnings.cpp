@@ -136,6 +136,26 @@ void warn_about_lights(const Request& request, const Recipe& recipe, const Scene
     sentences.push_back("`light_direction` does nothing: the first light of the scene is a lamp");
 }
 
+/// Adds warnings about options of values that are not shown. Those of a configuration file are preferences.
+void warn_about_values(const Request& request, const std::function<bool(std::string_view setting)>& is_reported,
+                       std::vector<std::string>& sentences) {
+  Request given = request;
+  const Request defaults;
+  for (const Option& option : options()) {
+    if (option.group != "Values" || !is_reported(option.option)) continue;
+    const bool is_set = std::visit(
+        [&](auto of) {
+          if constexpr (std::is_same_v<decltype(of), std::monostate>)
+            return false;
+          else
+            return of(given) != of(const_cast<Request&>(defaults));
+        },
+        option.where);
+    if (is_set)
+      sentences.push_back(fmt::format("`{}` does nothing: `color_by` names no field of values", option.field));
+  }
+}
+
 /// Adds a warning if the technique would read the model of a picture that has none.
 void warn_about_missing_model(const Request& request, const Recipe& recipe, const Scene* scene,
                               std::vector<std::string>& sentences) {
@@ -162,6 +182,7 @@ std::vector<std::string> setting_warnings(const Request& request, const Recipe& 
   warn_about_images(request, recipe, sentences);
   warn_about_strengths(request, recipe, sentences);
   warn_about_lights(request, recipe, scene, sentences);
+  if (request.color_by.empty()) warn_about_values(request, is_reported, sentences);
   warn_about_missing_model(request, recipe, scene, sentences);
   if (scene && scene->point_count() == 0) {
     const char* field = !request.point_size.empty()       ? "point_size"

@@ -25,15 +25,6 @@ constexpr float kMaxPosition = 1e6f;      // so that positions on the scale are 
 constexpr float kLinearFraction = 1e-3f;  // linear_threshold of the range's larger end
 constexpr int kSteadyColors = 256;        // texels of a texture that is interpolated
 
-/// Returns the value of a position of a mesh: a component, or the length of a vector.
-float value_of(const Field& field, std::size_t position, const std::optional<int>& component) {
-  const float* const values = &field.values[position * std::size_t(field.components)];
-  if (component || field.components == 1) return values[component.value_or(0)];
-  double sum = 0.0;
-  for (int c = 0; c < field.components; ++c) sum += double(values[c]) * double(values[c]);
-  return float(std::sqrt(sum));
-}
-
 /// Returns the scale of a value in no unit, so that a range of it is divided evenly.
 float scaled(const ValueColors& colors, float value) {
   if (colors.scale == Scale::kLinear) return value;
@@ -51,7 +42,7 @@ Error missing_field_error(const std::string& name, std::span<const Scene* const>
   std::set<std::string> names;
   std::string files;
   for (const Scene* scene : scenes) {
-    files += (files.empty() ? "'" : ", '") + scene->name + "'";
+    files += (files.empty() ? "" : ", ") + (scene->name.empty() ? "the scene" : "'" + scene->name + "'");
     for (const Mesh& mesh : scene->meshes)
       for (const Field& field : mesh.fields) names.insert(field.name);
   }
@@ -192,6 +183,14 @@ void warn_of_missing(const ValueSettings& settings, const Missing& missing, Scen
 }
 
 }  // namespace
+
+float value_of(const Field& field, std::size_t position, const std::optional<int>& component) {
+  const float* const values = &field.values[position * std::size_t(field.components)];
+  if (component || field.components == 1) return values[component.value_or(0)];
+  double sum = 0.0;
+  for (int c = 0; c < field.components; ++c) sum += double(values[c]) * double(values[c]);
+  return float(std::sqrt(sum));
+}
 
 std::string key_of(const ValueSettings& settings) {
   std::vector<float> numbers(settings.missing.begin(), settings.missing.end());

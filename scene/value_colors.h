@@ -21,6 +21,9 @@ struct ValueSettings {
   std::array<float, 3> missing{};  ///< sRGB
 };
 
+/// Returns the value at a position of a mesh: a component of a field on positions, or else the length of a vector.
+float value_of(const Field& field, std::size_t position, const std::optional<int>& component);
+
 /// Returns a text that differs between settings with different colours. Files of colours differ by their colours.
 std::string key_of(const ValueSettings& settings);
 

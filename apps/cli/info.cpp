@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <set>
 
@@ -20,6 +21,7 @@
 #include "io/layers.h"
 #include "scene/front.h"
 #include "scene/readers/content.h"
+#include "scene/value_colors.h"
 
 namespace umbrage::cli {
 namespace {
@@ -55,6 +57,49 @@ std::vector<std::pair<std::string_view, std::string>> maps_of(const Scene& scene
   if (material.occlusion_strength > 0.0f) add("occlusion", material.surface_texture);
   add("normal", material.normal_texture);
   return maps;
+}
+
+/// A field of values of a scene. Ranges of vectors are those of their lengths.
+struct FieldFacts {
+  std::string name;
+  std::string_view on;  ///< "vertices", "faces" or "points"
+  int components = 1;
+  std::optional<float> low = {}, high = {};
+  std::size_t values = 0, missing = 0;
+};
+
+/// Returns whether each triangle has vertices of its own and one value, as finish_scene leaves values of faces.
+bool is_on_faces(const Mesh& mesh, const Field& field) {
+  if (mesh.points || mesh.positions.size() != mesh.indices.size()) return false;
+  const auto n = std::size_t(field.components);
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
+    for (const std::size_t other : {i + 1, i + 2})
+      if (std::memcmp(&field.values[mesh.indices[i] * n], &field.values[mesh.indices[other] * n], n * sizeof(float)) !=
+          0)
+        return false;
+  return true;
+}
+
+/// Returns the fields of all meshes, by name in the order of their first mesh.
+std::vector<FieldFacts> fields_of(const Scene& scene) {
+  std::vector<FieldFacts> all;
+  for (const Mesh& mesh : scene.meshes)
+    for (const Field& field : mesh.fields) {
+      auto found =
+          std::find_if(all.begin(), all.end(), [&](const FieldFacts& each) { return each.name == field.name; });
+      const bool on_faces = is_on_faces(mesh, field);
+      const std::string_view on = on_faces ? "faces" : mesh.points ? "points" : "vertices";
+      if (found == all.end())
+        found = all.insert(all.end(), FieldFacts{.name = field.name, .on = on, .components = field.components});
+      for (std::size_t k = 0; k < mesh.positions.size(); k += on_faces ? 3 : 1, ++found->values) {
+        const float value = value_of(field, k, std::nullopt);
+        found->missing += !std::isfinite(value);
+        if (!std::isfinite(value)) continue;
+        found->low = std::min(found->low.value_or(value), value);
+        found->high = std::max(found->high.value_or(value), value);
+      }
+    }
+  return all;
 }
 
 nlohmann::json record_of(const Scene& scene, const Material& material) {
@@ -93,7 +138,7 @@ nlohmann::json record_of(const Scene& scene, const View& camera, std::size_t ind
 }
 
 /// Returns the JSON records. Each has a kind, `what` (model, mesh, material, texture, scene, animation, camera,
-/// light, warning), and the properties of that kind.
+/// light, field, warning), and the properties of that kind.
 nlohmann::json records_of(const Scene& scene, const std::string& format) {
   nlohmann::json records = nlohmann::json::array();
   std::set<int> objects;
@@ -131,6 +176,15 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
                        {"vertices", mesh.positions.size()},
                        {"texture_coordinates", !mesh.uvs.empty()},
                        {"colors", !mesh.colors.empty()}});
+  for (const FieldFacts& field : fields_of(scene))
+    records.push_back({{"what", "field"},
+                       {"name", field.name},
+                       {"on", field.on},
+                       {"components", field.components},
+                       {"min", field.low ? nlohmann::json(*field.low) : nlohmann::json()},
+                       {"max", field.high ? nlohmann::json(*field.high) : nlohmann::json()},
+                       {"values", field.values},
+                       {"missing", field.missing}});
   for (const Material& material : scene.materials) records.push_back(record_of(scene, material));
   for (const Texture& texture : scene.textures)
     records.push_back(
@@ -195,6 +249,16 @@ void print_text(const Scene& scene, const std::string& format) {
   }
   if (const int colored = count_meshes(scene, [](const Mesh& mesh) { return !mesh.colors.empty(); }); colored > 0)
     print_line("colours", fmt::format("at the vertices of {}", counted(std::size_t(colored), "mesh", "meshes")));
+  const std::vector<FieldFacts> fields = fields_of(scene);
+  for (std::size_t k = 0; k < std::min(fields.size(), kMaxShown); ++k) {
+    const FieldFacts& field = fields[k];
+    std::string text = fmt::format("{}: on {}", field.name, field.on);
+    if (field.components > 1) text += fmt::format(", {} components, lengths", field.components);
+    if (field.low) text += fmt::format(" {:.6g} to {:.6g}", *field.low, *field.high);
+    if (field.missing > 0) text += fmt::format(", {} of {} not finite", field.missing, field.values);
+    print_line(k == 0 ? "values" : "", text);
+  }
+  print_omitted(fields.size());
   for (std::size_t m = 0; m < std::min(scene.materials.size(), kMaxShown); ++m) {
     const Material& material = scene.materials[m];
     std::string text = fmt::format("albedo {}", vector_text(material.albedo));
@@ -325,8 +389,9 @@ Result<void> info(const InfoOptions& o) {
   if (has_image(o)) return print_image_info(o, o.json, o.contact_sheet);
   if (!o.contact_sheet.empty()) return field_error("--contact-sheet", "", "{} is for image files");
   if (o.models.empty()) return usage_error("info needs a MODEL or an image file");
-  const auto import_with = import_settings(o.request);
+  auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
+  import_with->field = "";  // all
   const auto scene = load_models(o.models, o.input_format, *import_with);
   if (!scene && scene.error().kind == ErrorKind::kFile && o.models.size() > 1 && !o.json && !contains(o.models, "-")) {
     for (const std::string& model : o.models) {  // each alone

@@ -11,6 +11,7 @@
 
 #include "apps/cli/page.h"
 #include "core/color.h"
+#include "scene/value_colors.h"
 
 namespace umbrage::cli {
 namespace {
@@ -35,14 +36,6 @@ DrawnPath line_of(const Page& page, float x0, float y0, float x1, float y1) {
 DrawnPath rectangle(float x, float y, float width, float height) {
   return {
       .x = x, .y = y, .segments = {{x + width, y}, {x + width, y + height}, {x, y + height}, {x, y}}, .closed = true};
-}
-
-/// Maps a value to the number that is spaced evenly on the scale.
-double even(const ValueColors& values, double v) {
-  if (values.scale == ValueColors::Scale::kLog) return std::log10(v);
-  if (values.scale == ValueColors::Scale::kLinear) return v;
-  const double t = values.linear_threshold;
-  return std::abs(v) <= t ? v / t : std::copysign(1.0 + std::log10(std::abs(v) / t), v);
 }
 
 /// Returns a number with a superscript exponent if it is very large or small.
@@ -264,10 +257,7 @@ DrawnColor ink_on(const DrawnColor& background) {
   return {level, level, level};
 }
 
-double place_on_scale(const ValueColors& values, double value) {
-  const double low = even(values, values.low), high = even(values, values.high);
-  return (even(values, value) - low) / (high - low);
-}
+float default_font_size(float side) { return std::max(kMinFont, kFontShare * side); }
 
 double round_length(double max) {
   const double power = std::pow(10.0, std::floor(std::log10(max)));
@@ -298,14 +288,15 @@ std::vector<Tick> ticks_of(const ValueColors& values, int max_count) {
     at = values.scale == ValueColors::Scale::kLog ? powers(low, high, max_count) : symlog_ticks(values, max_count);
   }
   std::vector<Tick> ticks;
-  for (const double v : at) ticks.push_back({place_on_scale(values, v), label_of(v, step > 0.0 ? step : std::abs(v))});
+  for (const double v : at)
+    ticks.push_back({double(position_on_scale(values, float(v))), label_of(v, step > 0.0 ? step : std::abs(v))});
   return ticks;
 }
 
 Result<std::vector<DrawnLayer>> legends_of(const LegendSettings& settings, const Scene& scene, const Camera& camera,
                                            int width, int height) {
   const float side = float(std::min(width, height));
-  const float font = settings.font_size > 0.0f ? settings.font_size : std::max(kMinFont, kFontShare * side);
+  const float font = settings.font_size > 0.0f ? settings.font_size : default_font_size(side);
   const Page page{float(width), float(height), font, settings.ink};
   std::vector<DrawnLayer> layers;
   if (settings.color_bar) {

@@ -25,6 +25,9 @@ struct LegendSettings {
 /// Returns black or white, whichever is easier to read on a background.
 DrawnColor ink_on(const DrawnColor& background);
 
+/// Returns the default size of the font of a picture, pixels, from its shorter side.
+float default_font_size(float side);
+
 /// A tick of a colour bar.
 struct Tick {
   double place = 0.0;  ///< 0 at the low end, 1 at the high end
@@ -34,9 +37,6 @@ struct Tick {
 /// Returns ticks at round numbers, at most `max_count` if the scale permits, in ascending order. Bands have ticks at
 /// their limits if these are few enough.
 std::vector<Tick> ticks_of(const ValueColors& values, int max_count);
-
-/// Returns the place of a value on the scale: 0 at the low end, 1 at the high end.
-double place_on_scale(const ValueColors& values, double value);
 
 /// Returns the largest of 1, 2 and 5 times a power of ten that is at most `max`, which is above 0.
 double round_length(double max);

@@ -42,11 +42,11 @@ TEST(Legend, TicksAreRound) {
 }
 
 TEST(Legend, TicksStandAtTheirValues) {
-  const ValueColors log = values_of(1.0f, 100.0f, ValueColors::Scale::kLog);
-  EXPECT_NEAR(place_on_scale(log, 10.0), 0.5, 1e-9);
-  const ValueColors symlog = values_of(-10.0f, 10.0f, ValueColors::Scale::kSymlog);
-  EXPECT_NEAR(place_on_scale(symlog, 0.0), 0.5, 1e-9);
-  EXPECT_NEAR(place_on_scale(symlog, 1.0), 0.75, 1e-9);
+  for (const Tick& tick : ticks_of(values_of(0.01f, 1000.0f, ValueColors::Scale::kLog), 7))
+    EXPECT_NEAR(tick.place, (std::log10(std::stod(tick.label)) + 2.0) / 5.0, 1e-6);
+  const auto symlog = ticks_of(values_of(-10.0f, 10.0f, ValueColors::Scale::kSymlog), 7);
+  for (std::size_t k = 0; k < symlog.size(); ++k)
+    EXPECT_NEAR(symlog[k].place, 1.0 - symlog[symlog.size() - 1 - k].place, 1e-6);
   for (const double max : {0.00123, 0.99, 1.0, 1.99, 4.9, 7.0, 123456.0}) {
     const double length = round_length(max);
     EXPECT_LE(length, max * (1.0 + 1e-9));

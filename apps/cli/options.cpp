@@ -44,7 +44,7 @@ std::string type_of(const Option& row) {
     case OptionForm::kColor:
       return "COLOR";
     case OptionForm::kPair:
-      return "NEAR,FAR";
+      return row.field == "color_range" ? "LOW,HIGH" : "NEAR,FAR";
     case OptionForm::kAngles:
       return "AZIMUTH,ELEVATION";
     case OptionForm::kRotation:

@@ -13,6 +13,7 @@
 #include "apps/cli/render_frames.h"
 #include "apps/cli/render_options.h"
 #include "apps/cli/render_time.h"
+#include "apps/cli/sheet.h"
 #include "apps/cli/standard_input.h"
 #include "apps/cli/video.h"
 #include "core/guarded.h"
@@ -276,6 +277,12 @@ Result<void> render_scene(const RenderOptions& o, RenderJob& job, const std::sha
     line->wipe();
     print_warning(scene->warnings[k]);
   }
+  if (!o.views.empty()) {
+    if (auto ready = device->prepare(*scene); !ready) return ready;
+    line.reset();
+    times.done("prepare");
+    return draw_sheet(o, job, *device, *scene, times);
+  }
   const auto plan = make_plan(job.recipe, *scene, device->threads());
   if (!plan) return plan.error();
   const auto strips = planned_strips(o, job, *plan, device);
@@ -312,6 +319,7 @@ Result<void> render(const RenderOptions& o) {
   std::vector<RenderJob> jobs;
   for (RenderOptions& each : *all) {
     if (auto applied = apply_figure_options(each); !applied) return applied;
+    if (auto applied = apply_sheet_options(each); !applied) return applied;
     choose_line_look(each);
     if (auto chosen = choose_picture(each); !chosen) return chosen;
     if (auto chosen = choose_samples(each); !chosen) return chosen;
@@ -377,6 +385,7 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   add_output_options(*command, *options,
                      "approximate memory limit, such as 6G or 500M; a picture that needs more is drawn in strips");
   add_figure_options(*command, options->figure);
+  add_sheet_options(*command, *options);
   add_device_options(*command, *options, kRender);
 }
 

@@ -18,8 +18,11 @@ struct RenderOptions : CommonOptions {
   bool same_view = false;   ///< each model is drawn alone, to a file of its own
   SequenceOptions sequence;
   FigureOptions figure;
-  double frame_rate = 30.0;  ///< frames per second of a video
-  double time_s = 0.0;       ///< for drawing each picture, seconds; 0: only the samples of the quality
+  std::string view_names;            ///< of a sheet: "front,top"
+  std::vector<std::string> views;    ///< of a sheet; empty: one picture
+  std::string projection = "third";  ///< of a sheet: "first" or "third" angle
+  double frame_rate = 30.0;          ///< frames per second of a video
+  double time_s = 0.0;               ///< for drawing each picture, seconds; 0: only the samples of the quality
   bool half = false, json = false;
   int picture_quality = WriteSettings().quality;  ///< of .jpg and .webp, 1 to 100
 

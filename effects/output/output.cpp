@@ -21,10 +21,11 @@ const std::vector<Parameter> kOutputTable = {
         "metering", &OutputParams::metering, 0, {"none", "picture", "light"},
         "automatic exposure, added to output.exposure: none, by the brightness of the surfaces in the usual view "
         "of the model or in that of a camera inside it, or by the brightness of the light of `hdri_file`"),
-    choice_row("tone", &OutputParams::tone, 0, {"none", "neutral", "hue"},
-               "tone curve: none; hue, which compresses highlights by the brightest channel and keeps hue exactly; or "
-               "like Khronos PBR Neutral, which compresses highlights and deepens shadows and keeps hue "
-               "and saturation, with a softer toe"),
+    choice_row(
+        "tone", &OutputParams::tone, 0, {"none", "neutral", "hue"},
+        "tone curve: none; hue, which limits the brightest channel to 1 and dims the others by the same factor; or "
+        "like Khronos PBR Neutral, which compresses highlights and deepens shadows and keeps hue "
+        "and saturation, with a softer toe"),
     real_row("contrast", &OutputParams::contrast, {.initial = 1, .max = 4, .factor = "contrast"},
              "contrast about `pivot`, before the tone curve: an exponent of light; `contrast` multiplies it"),
     real_row("pivot", &OutputParams::pivot, {.initial = 0.18, .min = 0.001, .max = 1},

@@ -40,14 +40,6 @@ FN Vec3 neutral(Vec3 light) {
   return select(peak > kUncompressed, compressed, light);
 }
 
-// Returns the light v above kUncompressed compressed below 1, as in neutral().
-FN Real highlight(Real v) {
-  Real bright = max(v, Real(kUncompressed));
-  Real lowered =
-      Real(1.0f) - Real((1.0f - kUncompressed) * (1.0f - kUncompressed)) / (bright + (1.0f - 2.0f * kUncompressed));
-  return select(v > kUncompressed, lowered, v);
-}
-
 FN Real contrasted(Real v) { return pow(v * Real(1.0f / C.pivot), Real(C.contrast)) * Real(C.pivot); }
 
 // Returns exposed light: finite, not negative, after contrast, compressed by the tone curve and the shoulder.
@@ -58,7 +50,7 @@ FN Vec3 exposed(Vec3 light) {
     Real peak = max(max(light.x, light.y), light.z);
     Real shown = peak;
     if (C.contrast != 1.0f) shown = contrasted(shown);
-    return light * (highlight(shown) / max(peak, Real(1e-20f)));
+    return light * (min(shown, Real(1.0f)) / max(peak, Real(1e-20f)));
   }
   if (C.contrast != 1.0f) light = Vec3(contrasted(light.x), contrasted(light.y), contrasted(light.z));
   if (C.tone == kToneNeutral) light = neutral(light);

@@ -141,6 +141,13 @@ inline void set_all(const RenderRequest& r, Setter& set) {
   set("hdri_intensity", r.hdri_intensity);
   set("light_size_deg", r.light_size_deg);
   set("light_direction", r.light_direction);
+  set("color_by", r.color_by);
+  set("color_component", r.color_component);
+  set("color_map", r.color_map);
+  set("color_range", r.color_range);
+  set("color_scale", r.color_scale);
+  set("color_bands", r.color_bands);
+  set("missing_color", r.missing_color);
   set("key", r.key);
   set("fill", r.fill);
   set("rim", r.rim);
@@ -189,6 +196,7 @@ inline void set_scene(const RenderRequest& r, UmbScene scene, Calls& calls) {
   set("lights", r.lights);
   if (r.crease_angle_deg) set("crease_angle_deg", text_of(&*r.crease_angle_deg, 1));
   set("point_size", r.point_size);
+  set("color_by", r.color_by);
   set("point_sprites", r.point_sprites);
 }
 

@@ -118,6 +118,13 @@ struct RenderRequest {
   /// from their spacing.
   std::string point_size{};
   std::string point_sprites = "auto";  ///< shape of points: "auto", "disc", "sphere"
+  std::string color_by{};         ///< field of the file's values to show as colours; empty: the model's own colours
+  std::string color_component{};  ///< of vectors: from 0, or "x", "y", "z"; empty: their length
+  std::string color_map{};        ///< "viridis", "magma_r", or a file of colours; empty: "viridis"
+  std::optional<std::array<float, 2>> color_range{};    ///< values at the ends of the map; default: those of the field
+  std::string color_scale{};                            ///< "linear", "log", "symlog"; empty: "linear"
+  std::optional<int> color_bands{};                     ///< equal intervals of one colour, 1 to 256; default: none
+  std::optional<std::array<float, 3>> missing_color{};  ///< sRGB, 0 to 1: of what has no value
   std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: chosen by the look
   std::optional<int> anti_aliasing{};  ///< number of averaged pictures, 1 to 256; default: chosen by quality or look
   /// "0.3" scene units, or "5%" of the bounding-sphere radius; empty: chosen by the technique.

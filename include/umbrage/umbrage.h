@@ -133,8 +133,9 @@ UMB_API UmbError umbGetSceneError(UmbScene scene, const char** message);
 UMB_API UmbError umbSetSceneProgressCallback(UmbScene scene, UmbProgressCallback callback, void* user);
 
 /* Sets a parameter for models and meshes that are added later: "up" (axis "+Z" or "x,y,z"), "crease_angle_deg",
- * "point_size", "point_sprites", "scene_index", "animation_index", "animation_time", "lights". `value` is written as on
- * the command line; NULL or "" restores the default. */
+ * "point_size", "point_sprites", "scene_index", "animation_index", "animation_time", "lights", "color_by" (the field of
+ * values that is read from files, for jobs with the same parameter). `value` is written as on the command line; NULL or
+ * "" restores the default. */
 UMB_API UmbError umbSetSceneParameter(UmbScene scene, const char* name, const char* value);
 
 /* Adds a model: a file, or "scene:NAME?detail=N". Errors: UMB_ERROR_USAGE for an unknown scene name or index;
@@ -156,6 +157,12 @@ UMB_API UmbError umbRemoveMesh(UmbScene scene, int mesh);
  * the vertices. */
 UMB_API UmbError umbSetMeshBuffer(UmbScene scene, int mesh, const char* name, const void* data, UmbType type,
                                   int channels, ptrdiff_t stride);
+
+/* Copies values to the mesh, such as a pressure, which a job shows as colours if its parameter "color_by" is their
+ * name. `of_triangles`: one per triangle; otherwise one per vertex. `type`: FLOAT32, UINT8, UINT16 or UINT32; NaN:
+ * there is no value. `components`: 1 to 16; `stride`: bytes from one value to the next, 0: packed. */
+UMB_API UmbError umbSetMeshValues(UmbScene scene, int mesh, const char* name, bool of_triangles, const void* data,
+                                  UmbType type, int components, ptrdiff_t stride);
 
 /* Sets a material parameter: "albedo" (3 values), "specular" (1, peak of the highlight), "shininess" (1, Blinn-Phong
  * exponent), "emission" (3), "alpha_cutoff" (1; parts of the texture with a smaller alpha are cut out). Vertex colours

@@ -187,6 +187,11 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
                       std::ptrdiff_t stride = 0) {
     return checked(umbSetMeshBuffer(get(), mesh, name, data, type, channels, stride));
   }
+  /// Copies values to the mesh, one per vertex or per triangle: see umbSetMeshValues.
+  UmbError set_values(int mesh, const char* name, bool of_triangles, const void* data, UmbType type, int components = 1,
+                      std::ptrdiff_t stride = 0) {
+    return checked(umbSetMeshValues(get(), mesh, name, of_triangles, data, type, components, stride));
+  }
   UmbError set_floats(int mesh, const char* name, const std::vector<float>& values) {
     return checked(umbSetMeshFloats(get(), mesh, name, values.data(), int(values.size())));
   }

@@ -67,7 +67,7 @@ class Fields(unittest.TestCase):
     def test_keywords(self) -> None:
         self.same({"camera." + name for name in umbrage.Camera.__dataclass_fields__}, {n for n in RENDER if "." in n})
         self.assertLessEqual(set(KEYWORDS), RENDER | SHADE)
-        of_calls = {"size", "camera", "images", "intrinsics", "mask", "dtype", "out", "progress"}
+        of_calls = {"size", "camera", "images", "intrinsics", "mask", "dtype", "out", "progress", "values"}
         for function, of_class, known in (
             (umbrage.render, umbrage.Renderer, RENDER),
             (umbrage.shade, umbrage.Shader, SHADE),

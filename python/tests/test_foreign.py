@@ -326,6 +326,83 @@ class PyVistaObjects(unittest.TestCase):
                 umbrage.Scene(thing)
 
 
+# ---- Values as colours ----
+
+
+def shown(thing: Any, **parameters: Any) -> np.ndarray:
+    """Returns the grey of the square's quarters as in albedo_of, from 0 to 1 by display values."""
+    camera = {"position": (0, 0, 4), "focal_point": (0, 0, 0), "view_up": (0, 1, 0)}
+    made = umbrage.render(thing, size=(SIDE, SIDE), device="cpu", look="ao", occlusion="none", color_map="gray",
+                          anti_aliasing=1, camera=camera, **parameters)
+    near, far = SIDE * 3 // 8, SIDE * 5 // 8
+    return np.array([np.asarray(made)[y, x, 0] / 255 for y in (near, far) for x in (near, far)])
+
+
+class Values(unittest.TestCase):
+    X = [0.0, 1.0, 1.0, 0.0]  # at the corners
+
+    def rises(self, quarters: np.ndarray) -> None:
+        """Expects grey to rise to the right."""
+        left, right = quarters[[0, 2]], quarters[[1, 3]]
+        self.assertTrue((left < 0.45).all() and (right > 0.55).all(), quarters)
+
+    def test_arrays(self) -> None:
+        model = (CORNERS, TRIANGLES)
+        self.rises(shown(model, values=self.X))
+        self.rises(shown(model, values=np.array(self.X, np.float32), color_by="pressure"))
+        vectors = np.stack([np.zeros(4), self.X], axis=1)
+        self.rises(shown(model, values={"v": vectors, "w": [3, 3, 3, 4]}, color_by="v"))
+        self.rises(shown(model, values={"v": vectors}, color_component="y"))
+        self.rises(shown(umbrage.Scene(CORNERS, TRIANGLES, values={"p": self.X}), color_by="p"))
+        of_faces = shown(model, values=[1, 5])
+        self.assertEqual((of_faces[0], of_faces[3]), (1.0, 0.0), "upper left and lower right")
+        of_polygon = shown((CORNERS, np.array([[0, 1, 2, 3]])), values=[7], color_range=(0, 14))
+        np.testing.assert_allclose(of_polygon, 0.5, atol=0.01)
+        self.rises(shown((CORNERS, np.array([4, 0, 1, 2, 3])), values=self.X))
+        with self.assertWarnsRegex(umbrage.UmbrageWarning, "2 of 2 triangles have no finite 'values'"):
+            missing = shown(model, values=[np.nan, 0, 1, 0], missing_color=(1, 0, 0))
+        np.testing.assert_allclose(missing, 1.0, atol=0.01)
+
+    def test_a_renderer_shows_one_field_after_the_other(self) -> None:
+        values = {"x": self.X, "flat": [5, 5, 5, 5]}
+        with umbrage.Renderer((CORNERS, TRIANGLES), values=values, color_by="x", size=(16, 16), device="cpu") as renderer:
+            first = np.array(renderer.render())
+            with self.assertWarnsRegex(umbrage.UmbrageWarning, "all values of 'flat' are 5"):
+                second = np.array(renderer.render(color_by="flat"))
+            self.assertFalse((first == second).all())
+            self.assertTrue((np.array(renderer.render(color_by="x")) == first).all())
+
+    def test_other_libraries(self) -> None:
+        for thing in (PolyData(PyVistaObjects.QUAD, {"p": self.X, "q": np.zeros(4)}, active="p"),
+                      Blocks(PolyData(PyVistaObjects.HALVES, {"p": self.X}))):
+            self.rises(shown(thing, color_by="p"))
+        self.rises(shown(PolyData(PyVistaObjects.QUAD, {"q": np.zeros(4), "p": self.X}, active="p"), color_by=True))
+        cells = shown(PolyData(PyVistaObjects.HALVES, cell_data={"c": [1.0, 5.0]}), color_by="c")
+        self.assertEqual((cells[0], cells[3]), (1.0, 0.0))
+        mesh = Trimesh()
+        mesh.vertex_attributes, mesh.face_attributes = {"p": np.array(self.X)}, {"c": np.array([1.0, 5.0])}
+        self.rises(shown(mesh, color_by="p"))
+        self.rises(shown(mesh, color_by=True))
+        self.assertEqual(shown(mesh, color_by="c")[3], 0.0)
+
+    def test_errors(self) -> None:
+        model = (CORNERS, TRIANGLES)
+        for parameters, says in (
+            ({"values": [1, 2, 3]}, r"`values` has the shape \(3, 1\)"),
+            ({"values": [["a"] * 4]}, "values"),
+            ({"values": {"a": self.X, "b": self.X}}, "`color_by` is missing: `values` has 'a', 'b'"),
+            ({"values": {"a": self.X}, "color_by": "b"}, "no such field"),
+            ({"color_by": "b"}, "has no fields of values"),
+            ({"color_by": True}, "`color_by` cannot be True"),
+            ({"values": self.X, "color_range": (2, 1)}, "low below high"),
+            ({"values": self.X, "color_component": "3"}, "one component, 0"),
+        ):
+            with self.assertRaisesRegex(umbrage.UsageError, says):
+                shown(model, **parameters)
+        with self.assertRaisesRegex(umbrage.UsageError, "`values` is for a model"):
+            umbrage.render("scene:solids", values=self.X)
+
+
 class Models(unittest.TestCase):
     def test_what_is_none(self) -> None:
         for thing in (3, None, object(), np.zeros((4, 3)), {"vertices": CORNERS}):

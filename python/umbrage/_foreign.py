@@ -35,12 +35,48 @@ def is_model(thing: Any) -> bool:
     )
 
 
-def meshes_of(thing: Any) -> Iterator[Mesh]:
-    """Yields the arguments of add_mesh for each mesh or point cloud of `thing`. Errors: UsageError."""
+def meshes_of(thing: Any, field: Optional[str] = None) -> Iterator[Mesh]:
+    """Yields the arguments of add_mesh for each mesh or point cloud of `thing`, with the values of that name. Errors:
+    UsageError."""
+    if field is None or isinstance(thing, (tuple, list)) or _has(thing, "n_blocks", "keys"):
+        yield from _meshes_of(thing, field)
+        return
+    if not _has(thing, "faces") and _has(thing, "extract_surface") and getattr(thing, "n_cells", None):
+        thing = thing.extract_surface()
+    values = _values_of(thing, field)
+    if values is not None and getattr(getattr(thing, "visual", None), "kind", None) not in (None, "vertex"):
+        thing = (thing.vertices, thing.faces)  # textures and colours of faces would split its vertices
+    if values is not None and getattr(thing, "n_strips", 0):
+        thing, values = thing.triangulate(), _values_of(thing.triangulate(), field)
+    for made in _meshes_of(thing, None):
+        yield made if values is None else dict(made, colors=None, values={field: values})
+
+
+def active_values(thing: Any) -> Optional[str]:
+    """Returns the name of the values that a model of PyVista shows, or of the first ones of a model of trimesh; None if
+    it has none."""
+    if isinstance(getattr(thing, "active_scalars_name", None), str):
+        return str(thing.active_scalars_name)
+    for where in ("vertex_attributes", "face_attributes"):
+        for name in getattr(thing, where, None) or ():
+            return str(name)
+    return None
+
+
+def _values_of(thing: Any, field: str) -> Any:
+    """Returns the values of that name of vertices or faces: data of PyVista, attributes of trimesh, tensors of Open3D."""
+    for where in ("point_data", "cell_data", "vertex_attributes", "face_attributes", "vertex", "point", "triangle"):
+        data = getattr(thing, where, None)
+        if data is not None and field in data:
+            return _numbers(data[field], field)
+    return None
+
+
+def _meshes_of(thing: Any, field: Optional[str]) -> Iterator[Mesh]:
     kind = type(thing).__name__
     if isinstance(thing, (tuple, list)) and thing and all(is_model(each) for each in thing):
         for each in thing:
-            yield from meshes_of(each)
+            yield from meshes_of(each, field)
     elif isinstance(thing, (tuple, list)) and len(thing) == 2:  # (vertices, faces)
         yield {"vertices": thing[0], "faces": thing[1]}
     elif not is_model(thing):
@@ -51,11 +87,11 @@ def meshes_of(thing: Any) -> Iterator[Mesh]:
     elif _has(thing, "geometry", "dump"):  # trimesh.Scene: its meshes, transformed
         for mesh in thing.dump():
             if not _has(mesh, "entities"):  # paths have no surface
-                yield from meshes_of(mesh)
+                yield from meshes_of(mesh, field)
     elif _has(thing, "n_blocks", "keys"):  # pyvista.MultiBlock
         for block in thing:
             if block is not None:
-                yield from meshes_of(block)
+                yield from meshes_of(block, field)
     elif _has(thing, "vertex", "triangle"):  # open3d.t.geometry.TriangleMesh
         yield _tensor_mesh(thing)
     elif _has(thing, "point", "to_legacy"):  # open3d.t.geometry: PointCloud, LineSet

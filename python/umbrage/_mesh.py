@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from . import _native as native
 from ._arrays import _TYPES, as_array, image_of, texture_array
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _MAX_VERTICES = 2**31 - 1
+VALUES = "values"  # name of values that are given as one array
 _MATERIAL = ("albedo", "emission", "specular", "shininess", "alpha_cutoff")
 
 
@@ -29,6 +30,7 @@ class Mesh:
     floats: Dict[str, NDArray[Any]]
     textures: List[Tuple[str, NDArray[Any]]]
     places: Sequence[NDArray[Any]]
+    values: List[Tuple[bytes, bool, NDArray[Any]]]  # name, whether they are of triangles, and (N, components)
 
 
 def mesh_of(vertices: Any, faces: Any = None, **given: Any) -> Mesh:
@@ -71,7 +73,8 @@ def mesh_of(vertices: Any, faces: Any = None, **given: Any) -> Mesh:
         raise UsageError(f"`{'emission_texture' if texture is None else 'texture'}` needs `uv`, the texture coordinates")
     places: Any = () if given.get("instances") is None else _places(given["instances"])
     named = native.bytes_of(given.get("name", ""), "name")
-    return Mesh(named, count, 0 if triangles is None else len(triangles), buffers, floats, textures, places)
+    values = [] if given.get("values") is None else _values(given["values"], count, faces, triangles)
+    return Mesh(named, count, 0 if triangles is None else len(triangles), buffers, floats, textures, places, values)
 
 
 def new_mesh(scene: native.Handle, mesh: Mesh) -> int:
@@ -90,6 +93,13 @@ def fill_mesh(scene: native.Handle, number: int, mesh: Mesh) -> None:
         data = array.ctypes.data
         scene.check(
             lib.umbSetMeshBuffer(scene.pointer, number, each.encode(), data, kind, channels, array.strides[0])
+        )
+    for named, of_triangles, array in mesh.values:
+        data, components = array.ctypes.data, array.shape[1]
+        scene.check(
+            lib.umbSetMeshValues(
+                scene.pointer, number, named, of_triangles, data, _TYPES["float32"], components, array.strides[0]
+            )
         )
     for each, numbers in mesh.floats.items():
         scene.check(lib.umbSetMeshFloats(scene.pointer, number, each.encode(), _pointer(numbers), len(numbers)))
@@ -225,6 +235,40 @@ def _colors(colors: Any, count: int) -> NDArray[Any]:
         if not np.isfinite(array).all():
             raise UsageError("`colors` holds a number that is not finite")
     return _rows(array, "colors", (3, 4), None, count)
+
+
+def _values(values: Any, count: int, faces: Any, triangles: Any) -> List[Tuple[bytes, bool, NDArray[Any]]]:
+    """Converts values of vertices or faces: an array, or a dict of arrays. Errors: UsageError."""
+    import numpy as np
+
+    made: List[Tuple[bytes, bool, NDArray[Any]]] = []
+    for name, given in (values if isinstance(values, Mapping) else {VALUES: values}).items():
+        array = as_array(given, "values")
+        array = array[:, np.newaxis] if array.ndim == 1 else array
+        per_face = _triangles_per_face(faces, triangles)
+        if array.ndim != 2 or array.dtype.kind not in "fiub" or len(array) not in (count, len(per_face)):
+            of = f"({count},) for vertices" + (f" or ({len(per_face)},) for faces" if len(per_face) else "")
+            raise UsageError(f"`values` has the shape {array.shape} of {array.dtype.name}: it takes numbers, {of}")
+        of_faces = len(array) != count
+        array = np.ascontiguousarray(np.repeat(array, per_face, axis=0) if of_faces else array, np.float32)
+        made.append((native.bytes_of(name, "values"), of_faces, array))
+    return made
+
+
+def _triangles_per_face(faces: Any, triangles: Any) -> NDArray[Any]:
+    """Returns into how many triangles each face is split."""
+    import numpy as np
+
+    if triangles is None:
+        return np.zeros(0, np.int64)
+    array = as_array(faces, "faces")
+    if array.ndim == 2:
+        return np.full(len(array), array.shape[1] - 2)
+    corners, at, numbers = [], 0, array.tolist()  # VTK's layout
+    while at < len(numbers):
+        corners.append(numbers[at])
+        at += 1 + numbers[at]
+    return np.array(corners) - 2
 
 
 def _places(instances: Any) -> NDArray[Any]:

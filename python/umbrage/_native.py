@@ -121,6 +121,7 @@ _FUNCTIONS: Tuple[Tuple[Any, ...], ...] = (  # name, result, arguments
     ("umbLoadModel", c_int, c_void_p, c_char_p),
     ("umbAddMesh", c_int, c_void_p, c_char_p, c_size_t, c_size_t),
     ("umbSetMeshBuffer", c_int, c_void_p, c_int, c_char_p, c_void_p, c_int, c_int, c_ssize_t),
+    ("umbSetMeshValues", c_int, c_void_p, c_int, c_char_p, c_bool, c_void_p, c_int, c_int, c_ssize_t),
     ("umbSetMeshFloats", c_int, c_void_p, c_int, c_char_p, POINTER(c_float), c_int),
     ("umbSetMeshTexture", c_int, c_void_p, c_int, c_char_p, POINTER(Image)),
     ("umbAddMeshInstance", c_int, c_void_p, c_int, POINTER(c_float)),

@@ -2,12 +2,14 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native as native
 from ._errors import UsageError
+from ._foreign import active_values, is_model
 from ._job import Job, Where, checked_dtype, shared_bar, requested_outputs
 from ._lists import check_keywords, keywords_of, known_parameters
+from ._mesh import VALUES
 from ._picture import Picture
 from ._progress import Progress, check_progress
 from ._scene import Scene
@@ -46,17 +48,27 @@ class Renderer(Job):
         device: str = "auto",
         threads: int = 0,
         progress: Progress = None,
+        values: Any = None,
         **parameters: Any,
     ) -> None:
         """Arguments and errors are those of umbrage.render. Arguments that describe a picture become the defaults of
         the method `render`."""
-        of_scene = {name: parameters.pop(name) for name in known_parameters("scene") if name in parameters}
+        field = _field_of(model, values, parameters.get("color_by"))
+        if field is not None:
+            parameters["color_by"] = field
+        of_scene = {name: parameters.pop(name) for name in _of_scene_alone() if name in parameters}
         check_keywords(parameters, "render", [*keywords_of(render), *known_parameters("scene")])
         check_progress(progress)
         if isinstance(model, Scene) and of_scene:
             raise UsageError(f"`{next(iter(of_scene))}` is a parameter of the scene: set it by Scene.set before adding models")
         is_read = isinstance(model, (str, os.PathLike))
-        scene = model if isinstance(model, Scene) else Scene(**of_scene) if is_read else Scene.of(model, **of_scene)
+        if field is not None and not isinstance(model, Scene):
+            of_scene["color_by"] = field
+        if values is not None:
+            scene = Scene(**of_scene)
+            scene.add_mesh(*_arrays_of(model), values=values if isinstance(values, Mapping) else {field: values})
+        else:
+            scene = model if isinstance(model, Scene) else Scene(**of_scene) if is_read else Scene.of(model, **of_scene)
         super().__init__(device, threads, scene)
         self._size = _size(size)
         self._camera, self._passes, self._dtype, self._progress = camera, passes, dtype, progress
@@ -95,7 +107,7 @@ class Renderer(Job):
         then unchanged.
         """
         for name in parameters:
-            if name in ("device", "threads", *known_parameters("scene")):
+            if name in ("device", "threads", "values", *_of_scene_alone()):
                 raise UsageError(f"`{name}` cannot be changed: set it when creating the Renderer")
         check_keywords(parameters, "render", keywords_of(render))
         check_progress(progress)
@@ -117,6 +129,33 @@ class Renderer(Job):
     def _used_scene(self) -> Scene:
         assert self._scene is not None
         return self._scene
+
+
+def _of_scene_alone() -> List[str]:
+    """Returns the parameters of scenes that are not also those of pictures."""
+    return [name for name in known_parameters("scene") if name not in known_parameters("render")]
+
+
+def _arrays_of(model: Any) -> Tuple[Any, Any]:
+    """Returns vertices and faces of a model that consists of arrays. Errors: UsageError."""
+    if isinstance(model, (tuple, list)) and len(model) == 2 and not is_model(model[0]):
+        return model[0], model[1]
+    if hasattr(model, "shape"):
+        return model, None
+    raise UsageError(f"`values` is for a model (vertices, faces), not {shown(model)}")
+
+
+def _field_of(model: Any, values: Any, color_by: Any) -> Optional[str]:
+    """Returns the name of the values to show; None: none. Errors: UsageError."""
+    if color_by is True:
+        color_by = active_values(model)
+        if color_by is None:
+            raise UsageError(f"`color_by` cannot be True: {shown(model)} has no values that are shown")
+    if color_by is None and values is not None:
+        if isinstance(values, Mapping) and len(values) != 1:
+            raise UsageError(f"`color_by` is missing: `values` has {', '.join(map(repr, values)) or 'none'}")
+        color_by = next(iter(values)) if isinstance(values, Mapping) else VALUES
+    return None if color_by is None else str(color_by)
 
 
 def _size(size: Any) -> Tuple[int, int]:
@@ -141,6 +180,7 @@ def render(
     device: str = "auto",
     threads: int = 0,
     progress: Progress = None,
+    values: Any = None,
     **parameters: Any,
 ) -> Picture:
     """Renders a model.
@@ -158,6 +198,8 @@ def render(
     settings: a dict of parameters, such as {"bitmask.radius": "15%"}: see umbrage.parameters("bitmask").
     dtype: type of the picture, "uint8", "uint16", "float16" or "float32". Passes are float32, ids uint32.
     out: an array for the picture, or a dict from names of passes to arrays: see Renderer.render.
+    values: values of a model (vertices, faces) that are shown as colours, as for Scene.add_mesh; one array needs no
+    `color_by`. color_by: name of the values to show, of files, too; True: those that PyVista shows.
     device: "cpu", "vulkan", "vulkan:N" or "auto". threads: number of CPU threads; 0: all.
     progress: True shows a progress bar; a function is called with the fraction that is done, 0 to 1, about 20 times a
     second, in the calling thread; it cancels the work by returning False or raising an exception. Ctrl-C always
@@ -178,6 +220,7 @@ def render(
         device=device,
         threads=threads,
         progress=shared,
+        values=values,
         **parameters,
     ) as renderer:
         renderer._orbits = False

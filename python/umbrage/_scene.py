@@ -77,6 +77,7 @@ class Scene:
         self._readers = 0
         self._is_changing = False
         self._is_empty = True
+        self._field: Optional[str] = None  # of values that are taken over from models
         self.set("up", up)
         for name in of_scene:
             if mesh.get(name) is not None:
@@ -119,13 +120,16 @@ class Scene:
             flat = array.ravel().tolist()
             value = ",".join(format(v, ".9g") if isinstance(v, float) else str(v) for v in flat)
         text = None if value is None else native.bytes_of(value, name)
+        if name == "color_by":
+            self._field = value
         with self._changing():
             self._handle.check(native.lib.umbSetSceneParameter(self._handle.pointer, native.bytes_of(name, "name"), text))
 
     def add(self, thing: Any, *, progress: Progress = None) -> Scene:
         """Adds a model and returns the scene. `thing`: a path; a pair (vertices, faces); a mesh, scene or point cloud
         of trimesh; a mesh or point cloud of Open3D; a surface, grid or point cloud of PyVista; or an object with the
-        same attributes. Colours of vertices and faces are taken over, and so are textures of trimesh and Open3D.
+        same attributes. Colours of vertices and faces are taken over, and so are textures of trimesh and Open3D, and the
+        values whose name is the parameter `color_by` of the scene.
 
         Errors: UsageError; FileError; exceptions of `progress`. The scene is then unchanged.
         """
@@ -139,7 +143,7 @@ class Scene:
             raise UsageError("Scene.add takes one model: call it once for each, or use Scene.load")
         if isinstance(thing, Scene):
             raise UsageError("a Scene cannot be added to another Scene: add its models instead")
-        self._put([mesh_of(**mesh) for mesh in meshes_of(thing)])  # all or none
+        self._put([mesh_of(**mesh) for mesh in meshes_of(thing, self._field)])  # all or none
         return self
 
     def _load(self, model: bytes, watch: Watch) -> None:
@@ -163,6 +167,7 @@ class Scene:
         normals: Any = None,
         uv: Any = None,
         radii: Any = None,
+        values: Any = None,
         name: str = "",
         albedo: Optional[Sequence[float]] = None,
         emission: Optional[Sequence[float]] = None,
@@ -179,6 +184,8 @@ class Scene:
         colors: (N, 3) or (N, 4), or one colour for all vertices; uint8 and uint16 are sRGB, floats linear, 0 to 1.
         normals: (N, 3). uv: (N, 2), (0, 0) is the texture's lower left corner. radii: (N,), of points, scene units, >
         0.
+        values: numbers such as a pressure, which render(color_by=NAME) shows as colours: a dict of arrays by name, or one
+        array, whose name is "values". (N,) or (N, components) of vertices or (M,) or (M, components) of faces; NaN: none.
         albedo, emission: three linear numbers. Colours and textures multiply the albedo, whose default is 0.8, or 1 if
         there are colours or a texture. The default emission is 0.
         specular: peak of the highlight, 0 to 1. shininess: Blinn-Phong exponent.
@@ -195,6 +202,7 @@ class Scene:
             normals=normals,
             uv=uv,
             radii=radii,
+            values=values,
             name=name,
             albedo=albedo,
             emission=emission,

@@ -183,7 +183,7 @@ TEST_F(Content, AColumnThatCountsIsNamed) {
   };
   EXPECT_NE(warnings("", 1).find("column 1 counts the lines and is drawn as x"), std::string::npos);
   EXPECT_EQ(warnings("", 2).find("counts"), std::string::npos);
-  EXPECT_EQ(warnings("i x y z\n", 1), "not drawn: 'i'");
+  EXPECT_EQ(warnings("i x y z\n", 1), "not drawn: 'i'; `color_by` shows values as colours");
 }
 
 std::string atom_line(int serial, const char* name, double x, const std::string& end) {
@@ -229,18 +229,19 @@ TEST_F(Content, ValuesOfPointsThatAreNotDrawnAreNamed) {
     return scene.warnings.empty() ? "" : scene.warnings[0];
   };
   const std::string advice = "; a first line such as 'x y z r g b nx ny nz' names the columns";
-  EXPECT_EQ(warning("a.xyz", "0 0 0 0.5\n1 0 0 7\n"), "not drawn: column 4" + advice);
-  EXPECT_EQ(warning("b.xyz", "0 0 0 5.5 0 0 -1 9\n1 0 0 6 0 1 0 9\n"), "not drawn: column 4, 8" + advice);
+  const std::string hint = "; `color_by` shows values as colours";
+  EXPECT_EQ(warning("a.xyz", "0 0 0 0.5\n1 0 0 7\n"), "not drawn: column 4" + advice + hint);
+  EXPECT_EQ(warning("b.xyz", "0 0 0 5.5 0 0 -1 9\n1 0 0 6 0 1 0 9\n"), "not drawn: column 4, 8" + advice + hint);
   EXPECT_EQ(warning("c.xyz", "x y z class r g b time\n0 0 0 5 0 0 1 9\n1 0 0 6 0 1 0 9\n"),
-            "not drawn: 'class', 'time'");
+            "not drawn: 'class', 'time'" + hint);
   const std::string xyz = "property float x\nproperty float y\nproperty float z\n", end = "end_header\n";
   const std::string vertices = "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz,
                     faces = "element face 1\nproperty list uchar int vertex_indices\n" + end,
                     rows = "0 0 0 1 5\n1 0 0 2 6\n0 1 0 3 7\n";
   EXPECT_EQ(warning("a.ply", vertices + "property float quality\nproperty int flags\n" + faces + rows + "3 0 1 2\n"),
-            "not drawn: 'quality', 'flags'");
+            "not drawn: 'quality', 'flags'" + hint);
   EXPECT_EQ(read("b.ply", vertices + "property float scalar_A\nproperty float scalar_B\n" + end + rows).warnings.at(0),
-            "not drawn: 'scalar_B'");
+            "not drawn: 'scalar_B'" + hint);
 }
 
 TEST_F(Content, PlyMayHaveCapitalsAndIndicesFromOne) {

@@ -10,7 +10,7 @@
 namespace umbrage {
 
 struct FileColumn {
-  std::string name;      ///< empty: it is no number
+  std::string name;      ///< empty: not a number
   bool is_value = true;  ///< not a position, a colour or the like, which are fields only if they are named
 };
 

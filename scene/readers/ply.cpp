@@ -332,7 +332,7 @@ void warn_of_ignored(const Header& header, const Contents& contents, const std::
     for (std::size_t k = 0; k < slots.of.size(); ++k)
       if (slots.of[k] == kNowhere || (slots.of[k] == kScalar && !draws_scalar))
         (element.properties[k].list_size ? lost : values).push_back("'" + element.properties[k].name + "'");
-    // Whoever asks for a field knows of them.
+    // A request for a field shows that they are known.
     const bool is_hint = lost.empty() && !values.empty();
     if (!field) lost.insert(lost.begin(), values.begin(), values.end());
     if (!lost.empty())

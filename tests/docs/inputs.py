@@ -91,6 +91,23 @@ def write_tiff(path):
     path.write_bytes(struct.pack("<2sHI", b"II", 42, 8 + len(pixels)) + pixels + directory + struct.pack("<I", 0))
 
 
+def write_wing(path):
+    """A PLY file of 12 x 8 squares with values at its vertices."""
+    columns, rows = 12, 8
+    lines = ["ply", "format ascii 1.0", f"element vertex {(columns + 1) * (rows + 1)}"]
+    lines += [f"property float {name}" for name in ("x", "y", "z", "pressure", "velocity_x", "velocity_y", "velocity_z")]
+    lines += [f"element face {columns * rows}", "property list uchar int vertex_indices", "end_header"]
+    for row in range(rows + 1):
+        for column in range(columns + 1):
+            x, z = column / columns, 3 * row / rows
+            lines.append(f"{x} {0.1 * math.sin(math.pi * x):.4f} {z} {math.cos(4 * x) + 0.2 * z:.4f} {1 + x} 0 {0.3 * z}")
+    for row in range(rows):
+        for column in range(columns):
+            a = row * (columns + 1) + column
+            lines.append(f"4 {a} {a + columns + 1} {a + columns + 2} {a + 1}")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
 def write_bunny(path):
     if BUNNY.exists():
         shutil.copy(BUNNY, path)
@@ -115,6 +132,7 @@ INPUTS = {
     "chart.gltf": write_gltf,
     "Sponza.gltf": write_gltf,
     "part.stl": write_stl,
+    "wing.ply": write_wing,
     "robot.glb": write_glb,
     "model.glb": write_glb,
     "models": write_folder,
