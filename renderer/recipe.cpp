@@ -48,9 +48,9 @@ Result<SectionSettings> section_settings(const Request& request, const Recipe& r
   constexpr glm::vec3 kPaper(0.9f), kGrey(0.6f);
   SectionSettings settings;
   for (const std::string& text : request.sections) {
-    auto plane = parse_section(text);
-    if (!plane) return plane.error();
-    settings.planes.push_back(std::move(*plane));
+    auto planes = parse_sections(text);
+    if (!planes) return planes.error();
+    settings.planes.insert(settings.planes.end(), planes->begin(), planes->end());
   }
   settings.hatched = has_lines(*recipe.look);
   settings.is_blank = recipe.look->is_colorless;

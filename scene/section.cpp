@@ -59,6 +59,22 @@ CutPlane cut_plane(const SectionPlane& plane, const glm::vec3& eye, const Scene&
   return out;
 }
 
+/// Returns the plane of "x=0.4" and its like; none if the text is not valid.
+std::optional<SectionPlane> axis_plane(std::string_view text) {
+  if (text.size() < 3) return std::nullopt;
+  const std::size_t relation = std::string_view("=<>").find(text[1]);
+  const bool is_fraction = text.ends_with('%');
+  const auto value = parse_number(text.substr(2, text.size() - 2 - std::size_t(is_fraction)));
+  if (relation == std::string_view::npos || !value) return std::nullopt;
+  SectionPlane plane{.text = std::string(text), .offset = is_fraction ? *value / 100.0 : *value};
+  plane.normal[int(kAxes.find(char(text[0] | 0x20)))] = 1.0;
+  plane.is_fraction = is_fraction;
+  constexpr SectionPlane::Kept kKept[] = {SectionPlane::Kept::kFar, SectionPlane::Kept::kBelow,
+                                          SectionPlane::Kept::kAbove};
+  plane.kept = kKept[relation];
+  return plane;
+}
+
 /// Returns the error for a plane that leaves nothing of a model, or all of it.
 Error missed_error(const CutPlane& plane, const char* what, const Scene& scene) {
   const int axis = axis_of(plane.normal);
@@ -97,42 +113,40 @@ void warn_of_section(const std::vector<SectionPart>& parts, bool has_spheres, Sc
 
 }  // namespace
 
-Result<SectionPlane> parse_section(std::string_view text) {
-  SectionPlane plane{.text = std::string(text)};
+Result<std::vector<SectionPlane>> parse_sections(const std::string& text) {
   const auto refused = [&](const char* reason) {
     return field_error(
-        "sections", plane.text,
+        "sections", text,
         "`{}` cannot be '{}'{}: it takes x=0.4, y=50%, z<0.4 or z>0.4 (the side that stays), or nx,ny,nz,d", reason);
   };
-  if (const std::size_t axis = text.empty() ? kAxes.npos : kAxes.find(char(text[0] | 0x20)); axis != kAxes.npos) {
-    if (text.size() < 3 || std::string_view("=<>").find(text[1]) == std::string_view::npos) return refused("");
-    std::string_view number = text.substr(2);
-    plane.is_fraction = number.ends_with('%');
-    if (plane.is_fraction) number.remove_suffix(1);
-    const auto value = parse_number(number);
-    if (!value) return refused("");
-    plane.normal[int(axis)] = 1.0;
-    plane.offset = plane.is_fraction ? *value / 100.0 : *value;
-    plane.kept = text[1] == '<'   ? SectionPlane::Kept::kBelow
-                 : text[1] == '>' ? SectionPlane::Kept::kAbove
-                                  : SectionPlane::Kept::kFar;
-    return plane;
+  constexpr const char* kSeparators = ", ";
+  std::vector<SectionPlane> planes;
+  std::vector<double> numbers;
+  std::size_t first = text.find_first_not_of(kSeparators);
+  for (std::size_t end; first != text.npos; first = text.find_first_not_of(kSeparators, end)) {
+    end = std::min(text.find_first_of(kSeparators, first), text.size());
+    std::string_view word = std::string_view(text).substr(first, end - first);
+    if (kAxes.find(char(word[0] | 0x20)) != kAxes.npos && numbers.empty()) {
+      auto plane = axis_plane(word);
+      if (!plane) return refused("");
+      planes.push_back(std::move(*plane));
+      continue;
+    }
+    const auto number = parse_number(word);
+    if (!number) return refused("");
+    numbers.push_back(*number);
+    if (numbers.size() < 4) continue;
+    const glm::dvec3 normal(numbers[0], numbers[1], numbers[2]);
+    const double length = glm::length(normal);
+    if (!(length > 0.0) || !std::isfinite(length)) return refused(", whose normal has no length");
+    planes.push_back({.text = fmt::format("{:g}", fmt::join(numbers, ",")),
+                      .normal = normal / length,
+                      .offset = numbers[3] / length,
+                      .kept = SectionPlane::Kept::kBelow});
+    numbers.clear();
   }
-  std::array<double, 4> numbers{};
-  for (std::size_t k = 0; k < numbers.size(); ++k) {
-    const std::size_t end = text.find(',');
-    const auto value = parse_number(text.substr(0, end));
-    if (!value || (end == text.npos) != (k + 1 == numbers.size())) return refused("");
-    numbers[k] = *value;
-    text.remove_prefix(end == text.npos ? text.size() : end + 1);
-  }
-  const glm::dvec3 normal(numbers[0], numbers[1], numbers[2]);
-  const double length = glm::length(normal);
-  if (!(length > 0.0) || !std::isfinite(length)) return refused(", whose normal has no length");
-  plane.normal = normal / length;
-  plane.offset = numbers[3] / length;
-  plane.kept = SectionPlane::Kept::kBelow;
-  return plane;
+  if (planes.empty() || !numbers.empty()) return refused("");
+  return planes;
 }
 
 std::string key_of(const SectionSettings& settings) {

@@ -32,9 +32,10 @@ struct SectionSettings {
   std::optional<glm::vec3> tint;  ///< caps have shades of this colour, linear; not set: a colour for each part
 };
 
-/// Returns a plane from "x=0.4", "x=50%" (of the model's extent from its min x), "x<0.4" and "x>0.4" (what stays), or
-/// "nx,ny,nz,d": all with nx x + ny y + nz z < d stays. Errors: kUsage, which names the field `sections`.
-Result<SectionPlane> parse_section(std::string_view text);
+/// Returns the planes of a text, separated by commas or spaces: "x=0.4", "x=50%" (of the model's extent from its min
+/// x), "x<0.4" and "x>0.4" (what stays), "nx,ny,nz,d" (all with nx x + ny y + nz z < d stays). Errors: kUsage, which
+/// names the field `sections`.
+Result<std::vector<SectionPlane>> parse_sections(const std::string& text);
 
 /// Returns a text that differs between settings with different results.
 std::string key_of(const SectionSettings& settings);

@@ -55,7 +55,7 @@ Mesh unwelded(const Mesh& mesh) {
 Scene cut(Scene scene, const std::vector<std::string>& texts, bool hatched = false) {
   SectionSettings settings;
   settings.hatched = hatched;
-  for (const std::string& text : texts) settings.planes.push_back(*parse_section(text));
+  for (const std::string& text : texts) settings.planes.push_back(parse_sections(text)->at(0));
   const auto done = cut_scene(settings, scene);
   EXPECT_TRUE(done) << done.error().message;
   return scene;
@@ -63,7 +63,7 @@ Scene cut(Scene scene, const std::vector<std::string>& texts, bool hatched = fal
 
 std::string refusal(Scene scene, const std::string& text) {
   SectionSettings settings;
-  settings.planes = {*parse_section(text)};
+  settings.planes = *parse_sections(text);
   const auto done = cut_scene(settings, scene);
   return done ? "" : done.error().message;
 }
@@ -331,15 +331,17 @@ TEST(Section, RefusesPlanesThatMiss) {
 }
 
 TEST(Section, RefusesBadTexts) {
-  for (const char* text : {"", "x", "x=", "w=1", "x=nan", "x=inf", "x=1e999", "x=4cm", "x:1", "1,2,3", "1,2,3,4,5",
-                           "0,0,0,1", "a,b,c,d", "1,2,,3", "1,2,3,", "x=%", "=1", "x=1,2", "1e308,1e308,0,1"}) {
-    const auto plane = parse_section(text);
+  for (const char* text : {"",       "x",   "x=",        "w=1",       "x=nan",   "x=inf",   "x=1e999",
+                           "x=4cm",  "x:1", "1,2,3",     "1,2,3,4,5", "0,0,0,1", "a,b,c,d", "1,2,,3",
+                           "1,2,3,", " , ", "1,x=2,3,4", "x=%",       "=1",      "x=1,2",   "1e308,1e308,0,1"}) {
+    const auto plane = parse_sections(text);
     ASSERT_FALSE(plane) << text;
     EXPECT_EQ(plane.error().fields[0].field, "sections");
     EXPECT_NE(plane.error().message.find("it takes x=0.4"), std::string::npos) << plane.error().message;
   }
-  EXPECT_EQ(parse_section("Z>1e-3")->normal, glm::dvec3(0, 0, 1));
-  EXPECT_DOUBLE_EQ(parse_section("0,0,2,1")->offset, 0.5);
+  EXPECT_EQ(parse_sections("Z>1e-3")->at(0).normal, glm::dvec3(0, 0, 1));
+  EXPECT_EQ(parse_sections("x=1,y<20%, 1,0,0,3 z>0")->size(), 4u);
+  EXPECT_DOUBLE_EQ(parse_sections("0,0,2,1")->at(0).offset, 0.5);
 }
 
 TEST(Triangulate, FillsRegionsWithHolesAndPointsOnEdges) {
