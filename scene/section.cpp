@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <limits>
 
 #include "core/numbers.h"
@@ -43,7 +44,7 @@ int axis_of(const glm::dvec3& normal) {
 }
 
 /// Returns a plane in the coordinates of the scene, with its normal towards what is removed.
-CutPlane cut_plane(const SectionPlane& plane, const glm::vec3& eye, const Scene& scene) {
+CutPlane cut_plane(const SectionPlane& plane, const glm::vec3& looks_along, const Scene& scene) {
   CutPlane out{.normal = plane.normal,
                .offset = plane.offset - glm::dot(plane.normal, scene.origin),
                .tolerance = kInPlane * double(scene.radius()),
@@ -53,8 +54,8 @@ CutPlane cut_plane(const SectionPlane& plane, const glm::vec3& eye, const Scene&
     const double low = scene.bounds_min[axis], high = scene.bounds_max[axis];
     out.offset = low + plane.offset * (high - low);
   }
-  const bool eye_is_below = glm::dot(out.normal, glm::dvec3(eye)) < out.offset;
-  if (plane.kept == SectionPlane::Kept::kAbove || (plane.kept == SectionPlane::Kept::kFar && eye_is_below))
+  const bool looks_up = glm::dot(out.normal, glm::dvec3(looks_along)) > 0.0;
+  if (plane.kept == SectionPlane::Kept::kAbove || (plane.kept == SectionPlane::Kept::kFar && looks_up))
     out.normal = -out.normal, out.offset = -out.offset;
   return out;
 }
@@ -102,11 +103,17 @@ Result<void> check_planes(const SectionSettings& settings, std::span<const CutPl
 }
 
 void warn_of_section(const std::vector<SectionPart>& parts, bool has_spheres, Scene& scene) {
-  const auto open = std::count_if(parts.begin(), parts.end(), [](const SectionPart& part) { return part.is_open; });
+  const auto count = [&](auto is_counted) { return std::count_if(parts.begin(), parts.end(), is_counted); };
+  const auto open = count([](const SectionPart& part) { return part.is_open; });
+  const auto closed = count([](const SectionPart& part) { return part.has_gaps && !part.is_open; });
+  if (closed > 0)
+    scene.warnings.push_back(fmt::format("{} small gaps where `sections` cut {}: caps close them by straight lines",
+                                         closed == 1 ? "1 part has" : fmt::format("{} parts have", closed),
+                                         closed == 1 ? "it" : "them"));
   if (open > 0)
-    scene.warnings.push_back(fmt::format("{} {} not closed where `sections` cut{} and {} no cap there", open,
-                                         open == 1 ? "part is" : "parts are", open == 1 ? " it" : " them",
-                                         open == 1 ? "has" : "have"));
+    scene.warnings.push_back(fmt::format("{} not closed where `sections` cut {}: there is no cap there",
+                                         open == 1 ? "1 part is" : fmt::format("{} parts are", open),
+                                         open == 1 ? "it" : "them"));
   if (has_spheres)
     scene.warnings.push_back("`sections` cut no spheres: each is drawn if its centre is on the side that stays");
 }
@@ -160,9 +167,9 @@ Result<void> cut_scene(const SectionSettings& settings, Scene& scene) {
   if (settings.planes.empty()) return {};
   const bool may_miss = scene.start || !scene.motion.empty();
   const float radius = scene.radius();
-  const glm::vec3 eye = frame_scene(scene, {}, 1, 1).eye();
+  const glm::vec3 looks_along = -glm::vec3(glm::transpose(frame_scene(scene, {}, 1, 1).view_from_world)[2]);
   std::vector<CutPlane> planes;
-  for (const SectionPlane& plane : settings.planes) planes.push_back(cut_plane(plane, eye, scene));
+  for (const SectionPlane& plane : settings.planes) planes.push_back(cut_plane(plane, looks_along, scene));
   if (auto checked = check_planes(settings, planes, may_miss, scene); !checked) return checked;
   auto around = scene.motion.empty() ? points_around(scene) : scene.motion;
   if (!scene.start) scene.start = std::make_shared<const Scene>(scene);

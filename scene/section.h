@@ -14,7 +14,7 @@ namespace umbrage {
 /// A plane that cuts a model.
 struct SectionPlane {
   enum class Kept {
-    kFar,    ///< what is behind the plane as the default view of the model sees it
+    kFar,    ///< the side towards which the default view of the model looks
     kBelow,  ///< what has dot(normal, p) < offset
     kAbove,  ///< what has more
   };
@@ -42,12 +42,12 @@ std::string key_of(const SectionSettings& settings);
 
 /// Cuts a finished scene: what remains is on the kept side of all planes. Triangles are clipped, points stay or go by
 /// their centres. Parts are sets of triangles of one object that are connected at equal positions, with the cavities
-/// in them. Where a plane cuts a closed part, the cut is filled by a cap in the plane, which faces what was removed; a
-/// part's caps are an object, with a matt material. The caps of a part that is not closed there are left
-/// out, which a warning counts. Scene::ground_object stays whole. The scene as it was becomes Scene::start, and
-/// the points around it Scene::motion, so that the camera, the exposure and lengths relative to the model do not depend
-/// on the planes. Faces in a plane belong to the removed side. Errors: kUsage if a plane misses the model, or nothing
-/// is left.
+/// in them; those of an object that are not closed are one part. Where a plane cuts a closed part, the cut is filled by
+/// a cap in the plane, which faces what was removed; a part's caps are an object, with a matt material. Gaps up to a
+/// hundredth of the cut's size are closed; edges that are still open get no cap. Warnings count such parts.
+/// Scene::ground_object stays whole. The scene as it was becomes Scene::start, and the points around it Scene::motion,
+/// so that the camera, the exposure and lengths relative to the model do not depend on the planes. Faces in a plane
+/// belong to the removed side. Errors: kUsage if a plane misses the model, or nothing is left.
 Result<void> cut_scene(const SectionSettings& settings, Scene& scene);
 
 }  // namespace umbrage

@@ -44,7 +44,8 @@ struct CutLoops {
   std::vector<glm::vec3> positions;
   std::vector<Loop> loops;
   Inside inside = Inside::kNonzero;
-  bool is_open = false;  ///< some edges do not close and are left out
+  bool has_gaps = false;  ///< some of them have edges across small gaps
+  bool is_open = false;   ///< some edges do not close and are left out
 };
 
 /// Returns the loops of edges of which each vertex has an even number; `directed`: as many in as out.
@@ -96,12 +97,53 @@ bool remove_open(std::vector<PlaneEdge>& edges, std::size_t vertices) {
   return std::erase_if(edges, [&](const PlaneEdge& edge) { return bool(is_open[root(edge.first)]); }) > 0;
 }
 
+/// Returns pairs of vertices that are closer than `tolerance`, near ones first.
+std::vector<PlaneEdge> near_pairs(const std::vector<glm::vec3>& positions, std::vector<std::uint32_t> vertices,
+                                  float tolerance) {
+  std::sort(vertices.begin(), vertices.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return positions[a].x < positions[b].x; });
+  std::vector<std::pair<float, PlaneEdge>> pairs;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    for (std::size_t j = i + 1; j < vertices.size(); ++j) {
+      const glm::vec3 &a = positions[vertices[i]], &b = positions[vertices[j]];
+      if (b.x - a.x > tolerance) break;
+      if (const float d = glm::distance(a, b); d <= tolerance) pairs.push_back({d, {vertices[i], vertices[j]}});
+    }
+  std::sort(pairs.begin(), pairs.end());
+  std::vector<PlaneEdge> out;
+  for (const auto& [d, pair] : pairs) out.push_back(pair);
+  return out;
+}
+
+/// Adds edges across gaps, between vertices of which one has an edge too many in, the other out; `directed` is false:
+/// which have an odd number of edges. Returns the number of edges, and whether all loops are closed.
+std::pair<std::size_t, bool> close_gaps(const std::vector<glm::vec3>& positions, float tolerance, bool directed,
+                                        std::vector<PlaneEdge>& edges) {
+  std::vector<int> missing(positions.size(), 0);  // edges out; below 0: in
+  for (const auto& [from, to] : edges) --missing[from], ++missing[to];
+  std::vector<std::uint32_t> ends;
+  for (std::uint32_t k = 0; k < missing.size(); ++k) {
+    if (!directed) missing[k] = missing[k] % 2 != 0 ? 1 : 0;
+    if (missing[k] != 0) ends.push_back(k);
+  }
+  std::size_t left = ends.size(), added = 0;
+  for (const auto& [a, b] : near_pairs(positions, ends, tolerance)) {
+    if (missing[a] == 0 || missing[b] == 0 || (directed && (missing[a] > 0) == (missing[b] > 0))) continue;
+    edges.push_back(missing[a] > 0 ? PlaneEdge(a, b) : PlaneEdge(b, a));
+    for (const std::uint32_t k : {a, b}) missing[k] -= missing[k] > 0 ? 1 : -1, left -= missing[k] == 0;
+    ++added;
+  }
+  return {added, left == 0};
+}
+
 CutLoops join_segments(std::span<const CutSegment> segments) {
+  constexpr float kMaxGap = 0.1f;  // of the size of the cut
   CutLoops out;
   std::map<std::tuple<float, float, float>, std::uint32_t> numbers;
+  glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
   const auto number = [&](const glm::vec3& p) {
     const auto [found, is_new] = numbers.try_emplace({p.x + 0.0f, p.y + 0.0f, p.z + 0.0f}, out.positions.size());
-    if (is_new) out.positions.push_back(p);
+    if (is_new) out.positions.push_back(p), low = glm::min(low, p), high = glm::max(high, p);
     return found->second;
   };
   std::map<PlaneEdge, int> net;  // of both directions
@@ -109,21 +151,22 @@ CutLoops join_segments(std::span<const CutSegment> segments) {
     const std::uint32_t from = number(segment.from), to = number(segment.to);
     net[{std::min(from, to), std::max(from, to)}] += from < to ? 1 : -1;
   }
+  const float tolerance = kMaxGap * glm::distance(low, high);
   std::vector<PlaneEdge> edges;
-  std::vector<int> balance(out.positions.size(), 0);
-  for (const auto& [edge, count] : net) {
-    if (count == 0) continue;
-    edges.push_back(count > 0 ? edge : PlaneEdge(edge.second, edge.first));
-    ++balance[edges.back().first], --balance[edges.back().second];
-  }
-  const bool balanced = std::all_of(balance.begin(), balance.end(), [](int b) { return b == 0; });
-  if (!edges.empty() && balanced) {
-    out.loops = loops_of(edges, out.positions.size(), true);
-    return out;
+  for (const auto& [edge, count] : net)
+    if (count != 0) edges.push_back(count > 0 ? edge : PlaneEdge(edge.second, edge.first));
+  if (!edges.empty()) {
+    const auto [added, is_closed] = close_gaps(out.positions, tolerance, true, edges);
+    if (is_closed) {
+      out.has_gaps = added > 0;
+      out.loops = loops_of(edges, out.positions.size(), true);
+      return out;
+    }
   }
   // Triangles with differing windings, or both: the loops have no directions.
   edges.clear();
   for (const auto& [edge, count] : net) edges.push_back(edge);
+  out.has_gaps = close_gaps(out.positions, tolerance, false, edges).first > 0;
   out.is_open = remove_open(edges, out.positions.size());
   out.loops = loops_of(edges, out.positions.size(), false);
   out.inside = Inside::kOdd;
@@ -263,6 +306,7 @@ std::vector<PartedMesh> caps_of(const CutPlane& plane, std::vector<CutSegment> s
     while (end < segments.size() && segments[end].part == part) ++end;
     CutLoops loops = join_segments(std::span(segments).subspan(first, end - first));
     parts[part].is_open |= loops.is_open;
+    parts[part].has_gaps |= loops.has_gaps;
     std::vector<glm::dvec2> points;
     for (const glm::vec3& p : loops.positions) points.push_back(axes.of(p));
     PartedMesh cap;

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <unordered_map>
 
@@ -54,17 +55,36 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parents, std::uint32_t k) {
 /// The box and the volume of a part, scene units.
 struct PartExtent {
   glm::vec3 low{std::numeric_limits<float>::max()}, high{std::numeric_limits<float>::lowest()};
-  double volume = 0.0;  ///< negative if its triangles face inward
+  double volume = 0.0;      ///< negative if its triangles face inward
+  std::uint64_t edges = 0;  ///< of the hashes of its edges, all that occur an odd number of times; 0: it is closed
   int object = 0;
+
+  void add(const std::array<glm::vec3, 3>& p, const std::uint32_t (&vertices)[3]) {
+    volume += glm::dot(glm::dvec3(p[0]), glm::cross(glm::dvec3(p[1]), glm::dvec3(p[2]))) / 6.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      low = glm::min(low, p[k]), high = glm::max(high, p[k]);
+      const auto [a, b] = std::minmax(vertices[k], vertices[(k + 1) % 3]);
+      std::uint64_t h = (std::uint64_t(a) << 32 | b) * 0x9e3779b97f4a7c15ull;
+      h = (h ^ (h >> 31)) * 0xbf58476d1ce4e5b9ull;
+      edges ^= h ^ (h >> 29);
+    }
+  }
   double size() const { return double(high.x - low.x) * double(high.y - low.y) * double(high.z - low.z); }
 };
 
+/// Makes the open pieces of an object one part: in many files, cracks divide the surface of a body.
+void join_open(const std::vector<PartExtent>& extents, std::vector<std::uint32_t>& whole_of) {
+  std::map<int, std::uint32_t> first_of;  // by object
+  for (std::uint32_t k = 0; k < extents.size(); ++k)
+    if (extents[k].edges != 0) whole_of[k] = first_of.try_emplace(extents[k].object, k).first->second;
+}
+
 /// Makes the surfaces of cavities, which face inward, parts of the smallest solid around them.
-void join_cavities(const std::vector<PartExtent>& extents, std::vector<std::uint32_t>& parents) {
+void join_cavities(const std::vector<PartExtent>& extents, std::vector<std::uint32_t>& whole_of) {
   std::vector<std::uint32_t> solids, cavities;
   for (std::uint32_t k = 0; k < extents.size(); ++k) {
     if (extents[k].volume > 0.0) solids.push_back(k);
-    if (extents[k].volume < 0.0) cavities.push_back(k);
+    if (extents[k].volume < 0.0 && extents[k].edges == 0) cavities.push_back(k);
   }
   for (const std::uint32_t cavity : cavities) {
     const PartExtent& inner = extents[cavity];
@@ -76,7 +96,7 @@ void join_cavities(const std::vector<PartExtent>& extents, std::vector<std::uint
         continue;
       if (best == kNoVertex || outer.size() < extents[best].size()) best = solid;
     }
-    if (best != kNoVertex) parents[cavity] = best;
+    if (best != kNoVertex) whole_of[cavity] = whole_of[best];
   }
 }
 
@@ -203,43 +223,38 @@ std::uint32_t find_parts(std::vector<PartedMesh>& meshes) {
   for (const PartedMesh& each : meshes) count += each.mesh.points ? 0 : each.mesh.positions.size();
   Positions positions(count);
   std::vector<std::uint32_t> parents;
-  for (PartedMesh& each : meshes) {
-    const Mesh& mesh = each.mesh;
+  std::vector<std::vector<std::uint32_t>> numbers(meshes.size());  // of positions
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    const Mesh& mesh = meshes[m].mesh;
     if (mesh.points) continue;
-    std::vector<std::uint32_t> numbers;
-    numbers.reserve(mesh.positions.size());
-    for (const glm::vec3& p : mesh.positions) numbers.push_back(positions.number(mesh.object, p));
+    numbers[m].reserve(mesh.positions.size());
+    for (const glm::vec3& p : mesh.positions) numbers[m].push_back(positions.number(mesh.object, p));
     for (auto k = std::uint32_t(parents.size()); k < positions.count(); ++k) parents.push_back(k);
-    each.parts.resize(mesh.indices.size() / 3);
-    for (std::size_t t = 0; t < each.parts.size(); ++t) {
-      each.parts[t] = numbers[mesh.indices[3 * t]];
-      const std::uint32_t root = root_of(parents, each.parts[t]);
-      for (int k = 1; k < 3; ++k) parents[root_of(parents, numbers[mesh.indices[3 * t + std::size_t(k)]])] = root;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+      const std::uint32_t root = root_of(parents, numbers[m][mesh.indices[i]]);
+      for (std::size_t k = 1; k < 3; ++k) parents[root_of(parents, numbers[m][mesh.indices[i + k]])] = root;
     }
   }
-  // Numbers of parts, in order.
-  std::vector<std::uint32_t> number_of(parents.size(), kNoVertex);
+  std::vector<std::uint32_t> number_of(parents.size(), kNoVertex);  // of parts, by root
   std::vector<PartExtent> extents;
-  for (PartedMesh& each : meshes)
-    for (std::size_t t = 0; t < each.parts.size(); ++t) {
-      std::uint32_t& number = number_of[root_of(parents, each.parts[t])];
-      if (number == kNoVertex) number = std::uint32_t(extents.size()), extents.emplace_back();
-      each.parts[t] = number;
-      PartExtent& extent = extents[number];
-      extent.object = each.mesh.object;
-      glm::dvec3 p[3];
-      for (std::size_t k = 0; k < 3; ++k) {
-        const glm::vec3& position = each.mesh.positions[each.mesh.indices[3 * t + k]];
-        extent.low = glm::min(extent.low, position), extent.high = glm::max(extent.high, position);
-        p[k] = position;
-      }
-      extent.volume += glm::dot(p[0], glm::cross(p[1], p[2])) / 6.0;
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    const Mesh& mesh = meshes[m].mesh;
+    for (std::size_t i = 0; !mesh.points && i < mesh.indices.size(); i += 3) {
+      const std::uint32_t* const corners = &mesh.indices[i];
+      const std::uint32_t vertices[] = {numbers[m][corners[0]], numbers[m][corners[1]], numbers[m][corners[2]]};
+      std::uint32_t& number = number_of[root_of(parents, vertices[0])];
+      if (number == kNoVertex) number = std::uint32_t(extents.size()), extents.emplace_back().object = mesh.object;
+      meshes[m].parts.push_back(number);
+      extents[number].add({mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]},
+                          vertices);
     }
-  std::vector<std::uint32_t> solid_of(extents.size());
-  std::iota(solid_of.begin(), solid_of.end(), 0u);
-  join_cavities(extents, solid_of);
+  }
+  std::vector<std::uint32_t> whole_of(extents.size());
+  std::iota(whole_of.begin(), whole_of.end(), 0u);
+  join_open(extents, whole_of);
+  join_cavities(extents, whole_of);
   for (PartedMesh& each : meshes)
-    for (std::uint32_t& part : each.parts) part = solid_of[part];
+    for (std::uint32_t& part : each.parts) part = whole_of[part];
   return std::uint32_t(extents.size());
 }
 

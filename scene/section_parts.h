@@ -25,8 +25,9 @@ struct CutPlane {
 
 /// A part of a model; see cut_scene.
 struct SectionPart {
-  bool is_open = false;  ///< at one of the planes
-  int style = 0;         ///< of its hatching and colour: neighbouring parts differ
+  bool has_gaps = false;  ///< at one of the planes, which its caps close
+  bool is_open = false;   ///< at one of the planes
+  int style = 0;          ///< of its hatching and colour: neighbouring parts differ
 };
 
 /// A mesh with the part of each triangle. Points have no parts.
