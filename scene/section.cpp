@@ -167,7 +167,9 @@ Result<void> cut_scene(const SectionSettings& settings, Scene& scene) {
   if (settings.planes.empty()) return {};
   const bool may_miss = scene.start || !scene.motion.empty();
   const float radius = scene.radius();
-  const glm::vec3 looks_along = -glm::vec3(glm::transpose(frame_scene(scene, {}, 1, 1).view_from_world)[2]);
+  // A view from inside may look up, but plans show what is below.
+  const glm::vec3 looks_along =
+      -1.01f * glm::normalize(scene.up) - glm::vec3(glm::transpose(frame_scene(scene, {}, 1, 1).view_from_world)[2]);
   std::vector<CutPlane> planes;
   for (const SectionPlane& plane : settings.planes) planes.push_back(cut_plane(plane, looks_along, scene));
   if (auto checked = check_planes(settings, planes, may_miss, scene); !checked) return checked;

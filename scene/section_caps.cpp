@@ -82,24 +82,44 @@ std::vector<Loop> loops_of(const std::vector<PlaneEdge>& edges, std::size_t vert
   return loops;
 }
 
-/// Removes the edges that are connected to a vertex with an odd number of them. Returns whether there are any.
-bool remove_open(std::vector<PlaneEdge>& edges, std::size_t vertices) {
-  std::vector<std::uint32_t> parents(vertices), degrees(vertices, 0);
-  std::iota(parents.begin(), parents.end(), 0u);
-  const auto root = [&](std::uint32_t k) {
-    while (parents[k] != k) k = parents[k] = parents[parents[k]];
+/// Sets of connected vertices, with boxes around them.
+class CutChains {
+ public:
+  CutChains(const std::vector<glm::vec3>& positions, const std::vector<PlaneEdge>& edges)
+      : parents_(positions.size()), low_(positions), high_(positions) {
+    std::iota(parents_.begin(), parents_.end(), 0u);
+    for (const auto& [a, b] : edges) join(a, b);
+  }
+  std::uint32_t root(std::uint32_t k) {
+    while (parents_[k] != k) k = parents_[k] = parents_[parents_[k]];
     return k;
-  };
-  for (const auto& [from, to] : edges) parents[root(from)] = root(to), ++degrees[from], ++degrees[to];
-  std::vector<char> is_open(vertices, 0);
-  for (std::uint32_t k = 0; k < vertices; ++k)
-    if (degrees[k] % 2) is_open[root(k)] = 1;
-  return std::erase_if(edges, [&](const PlaneEdge& edge) { return bool(is_open[root(edge.first)]); }) > 0;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = root(a), b = root(b);
+    parents_[b] = a;
+    low_[a] = glm::min(low_[a], low_[b]), high_[a] = glm::max(high_[a], high_[b]);
+  }
+  /// Returns the size of the set of a vertex.
+  float size(std::uint32_t k) { return glm::distance(low_[root(k)], high_[root(k)]); }
+
+ private:
+  std::vector<std::uint32_t> parents_;
+  std::vector<glm::vec3> low_, high_;
+};
+
+/// Removes the edges that are connected to a vertex with an odd number of them. Returns whether there are any.
+bool remove_open(const std::vector<glm::vec3>& positions, std::vector<PlaneEdge>& edges) {
+  CutChains chains(positions, edges);
+  std::vector<char> is_odd(positions.size(), 0), is_open(positions.size(), 0);
+  for (const auto& [from, to] : edges) is_odd[from] ^= 1, is_odd[to] ^= 1;
+  for (std::uint32_t k = 0; k < is_odd.size(); ++k)
+    if (is_odd[k]) is_open[chains.root(k)] = 1;
+  return std::erase_if(edges, [&](const PlaneEdge& edge) { return bool(is_open[chains.root(edge.first)]); }) > 0;
 }
 
-/// Returns pairs of vertices that are closer than `tolerance`, near ones first.
-std::vector<PlaneEdge> near_pairs(const std::vector<glm::vec3>& positions, std::vector<std::uint32_t> vertices,
-                                  float tolerance) {
+/// Returns pairs of vertices that are closer than `tolerance`, with their distance, near ones first.
+std::vector<std::pair<float, PlaneEdge>> near_pairs(const std::vector<glm::vec3>& positions,
+                                                    std::vector<std::uint32_t> vertices, float tolerance) {
   std::sort(vertices.begin(), vertices.end(),
             [&](std::uint32_t a, std::uint32_t b) { return positions[a].x < positions[b].x; });
   std::vector<std::pair<float, PlaneEdge>> pairs;
@@ -110,15 +130,15 @@ std::vector<PlaneEdge> near_pairs(const std::vector<glm::vec3>& positions, std::
       if (const float d = glm::distance(a, b); d <= tolerance) pairs.push_back({d, {vertices[i], vertices[j]}});
     }
   std::sort(pairs.begin(), pairs.end());
-  std::vector<PlaneEdge> out;
-  for (const auto& [d, pair] : pairs) out.push_back(pair);
-  return out;
+  return pairs;
 }
 
-/// Adds edges across gaps, between vertices of which one has an edge too many in, the other out; `directed` is false:
-/// which have an odd number of edges. Returns the number of edges, and whether all loops are closed.
-std::pair<std::size_t, bool> close_gaps(const std::vector<glm::vec3>& positions, float tolerance, bool directed,
+/// Adds edges across cracks of up to `crack`, and between the ends of a chain that are closer than a tenth of its size,
+/// from vertices that lack an edge out to those that lack one in; `directed` is false: which have an odd number of
+/// edges. Returns the number of edges, and whether all loops are closed.
+std::pair<std::size_t, bool> close_gaps(const std::vector<glm::vec3>& positions, float crack, bool directed,
                                         std::vector<PlaneEdge>& edges) {
+  constexpr float kMaxGap = 0.1f;
   std::vector<int> missing(positions.size(), 0);  // edges out; below 0: in
   for (const auto& [from, to] : edges) --missing[from], ++missing[to];
   std::vector<std::uint32_t> ends;
@@ -126,10 +146,17 @@ std::pair<std::size_t, bool> close_gaps(const std::vector<glm::vec3>& positions,
     if (!directed) missing[k] = missing[k] % 2 != 0 ? 1 : 0;
     if (missing[k] != 0) ends.push_back(k);
   }
+  if (ends.empty()) return {0, true};
+  CutChains chains(positions, edges);
+  float longest = 0.0f;
+  for (const std::uint32_t k : ends) longest = std::max(longest, chains.size(k));
   std::size_t left = ends.size(), added = 0;
-  for (const auto& [a, b] : near_pairs(positions, ends, tolerance)) {
+  for (const auto& [d, pair] : near_pairs(positions, ends, std::max(crack, kMaxGap * longest))) {
+    const auto [a, b] = pair;
     if (missing[a] == 0 || missing[b] == 0 || (directed && (missing[a] > 0) == (missing[b] > 0))) continue;
+    if (d > crack && (chains.root(a) != chains.root(b) || d > kMaxGap * chains.size(a))) continue;
     edges.push_back(missing[a] > 0 ? PlaneEdge(a, b) : PlaneEdge(b, a));
+    chains.join(a, b);
     for (const std::uint32_t k : {a, b}) missing[k] -= missing[k] > 0 ? 1 : -1, left -= missing[k] == 0;
     ++added;
   }
@@ -137,7 +164,7 @@ std::pair<std::size_t, bool> close_gaps(const std::vector<glm::vec3>& positions,
 }
 
 CutLoops join_segments(std::span<const CutSegment> segments) {
-  constexpr float kMaxGap = 0.1f;  // of the size of the cut
+  constexpr float kCrack = 3e-3f;  // max width, of the size of the cut
   CutLoops out;
   std::map<std::tuple<float, float, float>, std::uint32_t> numbers;
   glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
@@ -151,12 +178,12 @@ CutLoops join_segments(std::span<const CutSegment> segments) {
     const std::uint32_t from = number(segment.from), to = number(segment.to);
     net[{std::min(from, to), std::max(from, to)}] += from < to ? 1 : -1;
   }
-  const float tolerance = kMaxGap * glm::distance(low, high);
+  const float crack = kCrack * glm::distance(low, high);
   std::vector<PlaneEdge> edges;
   for (const auto& [edge, count] : net)
     if (count != 0) edges.push_back(count > 0 ? edge : PlaneEdge(edge.second, edge.first));
   if (!edges.empty()) {
-    const auto [added, is_closed] = close_gaps(out.positions, tolerance, true, edges);
+    const auto [added, is_closed] = close_gaps(out.positions, crack, true, edges);
     if (is_closed) {
       out.has_gaps = added > 0;
       out.loops = loops_of(edges, out.positions.size(), true);
@@ -166,8 +193,8 @@ CutLoops join_segments(std::span<const CutSegment> segments) {
   // Triangles with differing windings, or both: the loops have no directions.
   edges.clear();
   for (const auto& [edge, count] : net) edges.push_back(edge);
-  out.has_gaps = close_gaps(out.positions, tolerance, false, edges).first > 0;
-  out.is_open = remove_open(edges, out.positions.size());
+  out.has_gaps = close_gaps(out.positions, crack, false, edges).first > 0;
+  out.is_open = remove_open(out.positions, edges);
   out.loops = loops_of(edges, out.positions.size(), false);
   out.inside = Inside::kOdd;
   return out;
