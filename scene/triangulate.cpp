@@ -128,10 +128,11 @@ class Ring {
   void cut(std::vector<CornerTriple>& triangles) {
     int ear = start_, unsuccessful = 0;
     while (count_ > 2) {
-      if (const bool forced = unsuccessful > count_; forced || is_ear(ear)) {
-        // Only loops that cross have no ear: then corners are cut off as they come, unless they are none.
-        if (!forced || corner(ear) > 0.0)
-          triangles.push_back({nodes_[before(ear)].point, nodes_[ear].point, nodes_[next(ear)].point});
+      if (unsuccessful > count_) ear = node_without_ears();
+      if (unsuccessful > count_ || is_ear(ear)) {
+        if (!returns(ear))
+          triangles.push_back({nodes_[std::size_t(before(ear))].point, nodes_[std::size_t(ear)].point,
+                               nodes_[std::size_t(next(ear))].point});
         const int after = next(ear);
         remove(ear);
         unsuccessful = 0;
@@ -154,6 +155,22 @@ class Ring {
   int before(int node) const { return nodes_[std::size_t(node)].before; }
   double corner(int node) const { return cross_of(at(before(node)), at(node), at(next(node))); }
 
+  bool returns(int node) const {
+    return at(node) == at(next(node)) || at(node) == at(before(node)) || at(before(node)) == at(next(node));
+  }
+
+  /// Returns the node to remove from a ring without ears: one on an edge that returns on itself; else loops cross, or
+  /// touch but for rounding, and it is the one with the smallest triangle.
+  int node_without_ears() const {
+    int best = start_, k = start_;
+    do {
+      if (returns(k)) return k;
+      if (std::abs(corner(k)) < std::abs(corner(best))) best = k;
+      k = next(k);
+    } while (k != start_);
+    return best;
+  }
+
   int add_loop(const Loop& loop) {
     const int first = int(nodes_.size()), size = int(loop.size());
     for (int k = 0; k < size; ++k)
@@ -165,11 +182,21 @@ class Ring {
   void remove(int node) {
     nodes_[std::size_t(before(node))].next = next(node);
     nodes_[std::size_t(next(node))].before = before(node);
+    start_ = next(node);
     --count_;
   }
 
-  /// Joins a hole to the ring by an edge from a node to a node of the hole and one back.
+  /// Joins a hole to the ring by an edge from a node to a node of the hole and one back, or where they touch.
   void join(int node, int hole) {
+    if (at(node) == at(hole)) {
+      const int copy = int(nodes_.size()), first = next(hole), last = before(hole), after = next(node);
+      nodes_.push_back({nodes_[std::size_t(hole)].point, last, after});
+      nodes_[std::size_t(after)].before = copy;
+      nodes_[std::size_t(last)].next = copy;
+      nodes_[std::size_t(node)].next = first;
+      nodes_[std::size_t(first)].before = node;
+      return;
+    }
     const int node_copy = int(nodes_.size()), hole_copy = node_copy + 1;
     const int after = next(node), last = before(hole);
     nodes_.push_back({nodes_[std::size_t(node)].point, hole_copy, after});

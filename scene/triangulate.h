@@ -22,7 +22,7 @@ double twice_area(std::span<const glm::dvec2> points, const Loop& loop);
 
 /// Returns triangles, counterclockwise, that fill the region bounded by loops that may touch, but do not cross. Their
 /// corners are those of the loops that bound the region, and no side of a triangle runs through another corner, so that
-/// they share all edges of these loops. Loops that cross get triangles, too, that may overlap or leave a gap. By
+/// they share all edges of these loops. Loops that cross get triangles, too, some of which overlap or face down. By
 /// ear clipping, with holes joined to their polygon by a bridge [Meisters 1975]; time grows with the square of the
 /// number of points.
 std::vector<std::array<std::uint32_t, 3>> triangulate(std::span<const glm::dvec2> points,
