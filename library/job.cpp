@@ -82,6 +82,7 @@ Result<void> JobObject::set(const std::string& name, const std::string& text) {
   if (text.empty()) return reset(name.c_str());
   if (const Option* row = find_parameter(name, kind())) {
     Request changed = request_;
+    reset_option(*row, changed);  // a list that is set again
     if (auto set = set_row(*row, text, changed); !set) return set;
     request_ = std::move(changed);
     return {};

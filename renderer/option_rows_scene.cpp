@@ -47,6 +47,10 @@ std::vector<Option> scene_options() {
                        "lights of a glTF file: studio (the look's lights in their place) or file", "studio",
                        in<&Request::lights>),
                    {"studio", "file"}),
+      row("Sections", kRender, "sections", "section",
+          "cuts the model by a plane and fills the cut: x=0.4, y=50% of the extent, z<0.4 or z>0.4 (what stays), or "
+          "nx,ny,nz,d; may be repeated",
+          "none", in<&Request::sections>),
       row("Values", kRender, "color_by", "color-by",
           "show a field of the file's values as colours, by its name: see umbrage info",
           "none: the model's own colours", in<&Request::color_by>),

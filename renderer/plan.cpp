@@ -242,7 +242,9 @@ void adjust_lights(const Recipe& recipe, const Camera& camera, bool of_studio, s
 Result<void> complete_scene(Scene& scene, const Recipe& recipe) {
   if (scene.start) {
     auto start = std::make_shared<Scene>(*scene.start);
-    if (auto completed = complete_scene(*start, recipe); !completed) return completed;
+    Recipe uncut = recipe;
+    uncut.sections.planes.clear();
+    if (auto completed = complete_scene(*start, uncut); !completed) return completed;
     scene.value_colors = start->value_colors;  // one range for all times
     scene.start = std::move(start);
   }
@@ -251,7 +253,7 @@ Result<void> complete_scene(Scene& scene, const Recipe& recipe) {
   if (recipe.clay) make_clay(*recipe.clay, scene);
   if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up, has_roughness(scene)), scene);
   if (needs_ground(scene, recipe)) add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
-  return {};
+  return cut_scene(recipe.sections, scene);
 }
 
 namespace {

@@ -43,6 +43,21 @@ std::optional<glm::vec3> clay_of(const Request& request) {
   return request.material == "clay" ? std::optional(Material{}.albedo) : std::nullopt;
 }
 
+/// Returns the planes that cut a model, and how caps look. Errors: kUsage.
+Result<SectionSettings> section_settings(const Request& request, const Recipe& recipe) {
+  constexpr glm::vec3 kPaper(0.9f), kGrey(0.6f);
+  SectionSettings settings;
+  for (const std::string& text : request.sections) {
+    auto planes = parse_sections(text);
+    if (!planes) return planes.error();
+    settings.planes.insert(settings.planes.end(), planes->begin(), planes->end());
+  }
+  settings.hatched = has_lines(*recipe.look);
+  settings.is_blank = recipe.look->is_colorless;
+  settings.tint = settings.is_blank ? kPaper : recipe.values ? std::optional(kGrey) : recipe.clay;
+  return settings;
+}
+
 /// Returns whether the look's own technique computes indirect light.
 bool computes_indirect_light(const Look& look, const EffectSettings& settings) {
   const Effect* technique = find_effect(look.occlusion);
@@ -278,6 +293,13 @@ Framing framing_of(const CameraSettings& camera) {
   return framing;
 }
 
+bool has_lines(const Look& look) {
+  return std::any_of(look.effects.begin(), look.effects.end(), [](std::string_view name) {
+    const Effect* effect = find_effect(name);
+    return effect && !effect->without_lines.empty();
+  });
+}
+
 Result<ImportSettings> import_settings(const Request& request) {
   ImportSettings settings;
   if (auto status = check_request(request, kMaxStripPixels); !status) return status.error();
@@ -397,6 +419,9 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_m
     recipe.values = std::move(*values);
   }
   recipe.clay = recipe.values ? std::nullopt : clay_of(request);
+  auto sections = section_settings(request, recipe);
+  if (!sections) return sections.error();
+  recipe.sections = std::move(*sections);
   recipe.settings = look_settings(look, external_effects());
   // The average of several pictures has smooth edges already, and `anti_aliasing` 1 asks for pixels as they are.
   if (recipe.frames > 1 || request.anti_aliasing) params_of<AntialiasParams>(recipe.settings).search = 0;

@@ -17,6 +17,7 @@
 #include "renderer/request.h"
 #include "scene/framing.h"
 #include "scene/readers/import.h"
+#include "scene/section.h"
 #include "scene/value_colors.h"
 
 namespace umbrage {
@@ -51,6 +52,7 @@ struct Recipe {
   std::array<float, 3> light_factors{1.0f, 1.0f, 1.0f};  ///< for the key, the fill and the rim light
   std::optional<ValueSettings> values;                   ///< shown as colours
   std::optional<glm::vec3> clay;                         ///< linear albedo of the whole model; empty: its materials
+  SectionSettings sections;                              ///< cut the model
   CaptureSettings capture;                               ///< for one sample
   std::vector<std::string> passes;                       ///< requested passes, by the names of renderer/passes.h
   /// The only planes that are needed; empty: the picture and all its intermediate planes.
@@ -84,6 +86,9 @@ Result<Recipe> make_recipe_of_look(const Request& request);
 
 /// Returns the index of a text in the choices of an option; check_request must have accepted it.
 int choice_index(std::string_view field, std::string_view text);
+
+/// Returns whether a look has lines that can be curves.
+bool has_lines(const Look& look);
 
 Framing framing_of(const CameraSettings& camera);
 /// Returns the import settings for the model of a request. Errors: kUsage.

@@ -70,7 +70,9 @@ struct Request {
   std::optional<int> color_bands{};    ///< number of equal intervals of one colour each, 1 to 256; default: none
   std::optional<std::array<float, 3>> missing_color{};  ///< of what has no value, display values 0 to 1
   std::string point_sprites = "auto";                   ///< shape of a file's points: "auto", "disc", "sphere"
-  std::string quality{};                                ///< "draft", "normal", "high", "ultra"; empty: set by the look
+  /// Planes that cut the model, see parse_sections: "x=0.4", "y=50%", "z<0.4", "nx,ny,nz,d".
+  std::vector<std::string> sections{};
+  std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: set by the look
   std::optional<int> anti_aliasing{};  ///< averaged pictures, 1 to 256; default: set by the quality or look
   /// "0.3" scene units, or "5%" of the bounding-sphere radius; empty: set by the technique.
   std::string occlusion_radius{};

@@ -214,6 +214,14 @@ TEST_F(CliRefusals, RefusesValues) {
                {"--background-color", fmt::format("'{}'", text), "three numbers from 0 to 1"});
 }
 
+TEST_F(CliRefusals, RefusesSectionsThatCutNothing) {
+  for (const char* text : {"w=1", "x=1cm", "1,2,3", "0,0,0,1", "x=nan"})
+    bad_option(fmt::format("--section {}", text), {"--section cannot be", fmt::format("'{}'", text), "it takes x=0.4"});
+  bad_option("--section x=1000", {"--section 'x=1000' cuts nothing", "along x", "extends from"});
+  bad_option("--section x>1000", {"leaves nothing"});
+  bad_option("--section x=50% --section x=1000", {"'x=1000'"});
+}
+
 TEST_F(CliRefusals, RefusesMissingAndExtraArguments) {
   bad("", 2, {"name a model", "umbrage --help"});
   bad("render", 2, {"required", "umbrage render --help"});

@@ -66,8 +66,10 @@ void print_hints(const Recipe& recipe, const HintStatistics& statistics, const S
     const bool is_fitted = !framing.position && !framing.focal_point && !framing.direction;
     print_warning(
         is_fitted ? fmt::format("nothing of {} covers a pixel; {}", scene.name,
-                                scene.start ? "the view also fits other models or times, which are much larger"
-                                            : "its parts are far apart, or very thin")
+                                !recipe.sections.planes.empty()
+                                    ? "the view fits it as it was before --section, which leaves little of it"
+                                : scene.start ? "the view also fits other models or times, which are much larger"
+                                              : "its parts are far apart, or very thin")
                   : fmt::format("nothing of {} is in view; move the camera or omit the camera options", scene.name));
   }
   if (const std::string hint = radius_hint(recipe, statistics, scene.radius()); !hint.empty()) print_warning(hint);

@@ -24,14 +24,6 @@ Result<void> write_lines_to(const std::string& file, const LineFile& lines, cons
   return write_page(file, *drawing);
 }
 
-/// Returns whether a look has lines that can be curves.
-bool has_lines(const Look& look) {
-  return std::any_of(look.effects.begin(), look.effects.end(), [](std::string_view name) {
-    const Effect* effect = find_effect(name);
-    return effect && !effect->without_lines.empty();
-  });
-}
-
 /// Returns whether a file of vector graphics holds the whole picture, as an image.
 bool holds_picture(const RenderOptions& o) {
   if (!is_page(o.output) || is_dxf(o.output)) return false;

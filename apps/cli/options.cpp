@@ -59,6 +59,7 @@ std::string type_of(const Option& row) {
   if (interval_of(row).max > 0.0) return type_of(interval_of(row));
   if (row.field == "bits") return "INT";
   if (row.field == "settings") return "EFFECT.PARAMETER=VALUE";
+  if (row.field == "sections") return "PLANE";
   return row.field.ends_with("_file") ? "FILE" : "NAME";
 }
 

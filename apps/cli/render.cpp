@@ -356,7 +356,8 @@ Result<void> render(const RenderOptions& o) {
 
 void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   const auto [command, options] = add_model_command(app, run, "render", "draw a model to a file", kRender, render);
-  for (const char* group : {"Values", "Technique", "Picture", "Light"}) add_group(*command, *options, kRender, group);
+  for (const char* group : {"Values", "Sections", "Technique", "Picture", "Light"})
+    add_group(*command, *options, kRender, group);
   constexpr double kMinTime_s = 0.001, kMaxTime_s = 7.0 * 24.0 * 3600.0;
   add_number(*command, "--time", options->time_s, {kMinTime_s, kMaxTime_s},
              "seconds for drawing: adds pictures to the average while they fit", "none")

@@ -2,6 +2,7 @@
 // paper in its place; `output` draws the lines over that.
 IN_REAL(depth)
 IN_COLOR(albedo)
+IN_COLOR(emission)
 INOUT_COLOR(lit)
 OUT_REAL(hatching_ink)
 
@@ -16,6 +17,8 @@ FN Real ink_of(Vec3 light) {
     Real own = display_from_linear(clamp(luminance_of(clean_light(near_albedo(0, 0))), Real(0.0f), Real(1.0f)));
     shown = shown * mad(min(own * (1.0f / kClay), Real(1.0f)) - 1.0f, Real(C.material), Real(1.0f));
   }
+  shown =
+      max(shown, display_from_linear(clamp(luminance_of(clean_light(near_emission(0, 0))), Real(0.0f), Real(1.0f))));
   if (C.contrast != 1.0f) shown = pow(shown, Real(C.contrast));
   return C.strokes == kHatchingShade ? Real(1.0f) - shown : shown;
 }

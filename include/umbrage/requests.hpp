@@ -125,6 +125,8 @@ struct RenderRequest {
   std::string color_scale{};                            ///< "linear", "log", "symlog"; empty: "linear"
   std::optional<int> color_bands{};                     ///< equal intervals of one colour, 1 to 256; default: none
   std::optional<std::array<float, 3>> missing_color{};  ///< sRGB, 0 to 1: of what has no value
+  /// Planes that cut the model, separated by spaces: "x=0.4", "y=50%", "z<0.4" (what stays), "nx,ny,nz,d"; empty: none.
+  std::string sections{};
   std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: chosen by the look
   std::optional<int> anti_aliasing{};  ///< number of averaged pictures, 1 to 256; default: chosen by quality or look
   /// "0.3" scene units, or "5%" of the bounding-sphere radius; empty: chosen by the technique.

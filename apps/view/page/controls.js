@@ -190,6 +190,43 @@ function text_control(entry, id, describe, change) {
   };
 }
 
+/// A slider for the first plane of a text such as "x=50%", the buttons of its axis, and the text, which may have more planes.
+function plane_control(entry, id, describe, change) {
+  const kPlane = /^([xyz])([=<>])([-\d.]+)%/i;
+  const [kMin, kMax] = [1, 99]; // percent; beyond, nothing is cut
+  let now = "";
+  const set = (axis, percent, moving) => {
+    const found = now.match(kPlane),
+      plane = `${axis ?? found?.[1] ?? "x"}${found?.[2] ?? "="}${percent ?? found?.[3] ?? 50}%`;
+    change(found ? now.replace(kPlane, plane) : plane, moving);
+  };
+  const slider = element("input", {
+    type: "range",
+    min: kMin,
+    max: kMax,
+    step: 0.5,
+    "aria-describedby": describe,
+    "aria-labelledby": `${id}_label`,
+  });
+  slider.addEventListener("input", () => set(null, slider.value, true));
+  slider.addEventListener("change", () => set(null, slider.value, false));
+  const axes = element("select", {
+    "aria-label": "Axis of the plane",
+    on_change: () => (axes.value ? set(axes.value, null, false) : change(undefined, false)),
+  });
+  for (const axis of ["", "x", "y", "z"]) axes.append(element("option", { value: axis, text: axis || "off" }));
+  const text = text_control({ ...entry, initial: "x=50%" }, id, describe, change);
+  const show = (value) => {
+    now = value ?? "";
+    text.show(value);
+    const found = now.match(kPlane);
+    axes.value = found?.[1].toLowerCase() ?? "";
+    slider.value = found?.[3] ?? 50;
+    slider.style.setProperty("--place", (slider.value - kMin) / (kMax - kMin));
+  };
+  return { parts: [slider, axes, ...text.parts], show, has_slider: true };
+}
+
 const kControls = {
   integer: number_control,
   number: number_control,
@@ -204,7 +241,8 @@ const kControls = {
 export function row(entry, label, access, testid) {
   const id = new_id(),
     describe = `${id}_help`;
-  const make = kControls[entry.kind === "choice" && !entry.choices?.length ? "text" : entry.kind] ?? text_control;
+  const make =
+    entry.name === "section" ? plane_control : kControls[entry.kind === "choice" && !entry.choices?.length ? "text" : entry.kind] ?? text_control;
   const control = make(entry, id, describe, access.set, access.radius);
   const undo = element("button", {
     type: "button",

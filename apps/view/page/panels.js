@@ -25,6 +25,7 @@ const kLabels = {
   rim: "Rim",
   "shadow-strength": "Shadows",
   up: "Up axis",
+  section: "Plane",
 };
 const kSections = [
   ["occlusion", "Occlusion", true, ["ao-radius", "ao-strength", "ao-scale"]],
@@ -35,6 +36,7 @@ const kSections = [
     false,
     ["hdri-file", "hdri-intensity", "hdri-rotation", "hdri-ambient", "hdri-skybox"],
   ],
+  ["section", "Section", false, ["section"]],
   ["picture", "Picture", false, ["exposure", "contrast", "anti-aliasing", "material", "color", "style"]],
   ["background", "Background and ground", false, ["background-color", "no-background", "ground"]],
 ];
@@ -53,7 +55,8 @@ let effects_of = ""; // what the sections of effects were made for
 
 export const title_of = (name) => kLabels[name] ?? (name[0].toUpperCase() + name.slice(1)).replace(/[-_]/g, " ");
 const option_named = (name) => state.hello.options.find((option) => option.name === name);
-const applies = (option) => option && !option.repeated && (is_flat() ? option.gbuffer : option.model) !== false;
+const applies = (option) =>
+  option && (!option.repeated || option.name === "section") && (is_flat() ? option.gbuffer : option.model) !== false;
 const effect_named = (name) => state.hello.effects.find((effect) => effect.name === name);
 
 /// Sets an option of the edited side; undefined: its default.
