@@ -16,6 +16,7 @@ std::string environment_key(const Recipe& recipe) {
   std::string key;
   if (recipe.clay) key += fmt::format(" clay {} {} {}", recipe.clay->r, recipe.clay->g, recipe.clay->b);
   if (recipe.values) key += key_of(*recipe.values);
+  if (recipe.explode > 0.0f) key += fmt::format(" explode {}", recipe.explode);
   // Which side of a plane stays can depend on the view.
   if (!recipe.sections.planes.empty())
     key += fmt::format("{} {}", key_of(recipe.sections), recipe.camera_index.value_or(-1));

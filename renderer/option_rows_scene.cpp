@@ -51,6 +51,11 @@ std::vector<Option> scene_options() {
           "cuts the model by a plane and fills the cut: x=0.4, y=50% of the extent, z<0.4 or z>0.4 (what stays), or "
           "nx,ny,nz,d; may be repeated",
           "none", in<&Request::sections>),
+      with_form(with_range(row("Sections", kRender, "explode", "explode",
+                               "moves the parts of the model away from its centre, by this fraction of their distance",
+                               "0%", in<&Request::explode>),
+                           0.0, 1000.0),
+                OptionForm::kPercent, "%"),
       row("Values", kRender, "color_by", "color-by",
           "show a field of the file's values as colours, by its name: see umbrage info",
           "none: the model's own colours", in<&Request::color_by>),

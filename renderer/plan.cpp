@@ -251,6 +251,7 @@ Result<void> complete_scene(Scene& scene, const Recipe& recipe) {
   if (recipe.values)
     if (auto shown = show_values(*recipe.values, scene); !shown) return shown;
   if (recipe.clay) make_clay(*recipe.clay, scene);
+  if (recipe.explode > 0.0f) explode(recipe.explode, scene);
   if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up, has_roughness(scene)), scene);
   if (needs_ground(scene, recipe)) add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
   return cut_scene(recipe.sections, scene);

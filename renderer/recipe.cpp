@@ -419,6 +419,7 @@ Result<Recipe> make_recipe_of(const Request& request, long max_pixels, bool of_m
     recipe.values = std::move(*values);
   }
   recipe.clay = recipe.values ? std::nullopt : clay_of(request);
+  recipe.explode = request.explode / 100.0f;
   auto sections = section_settings(request, recipe);
   if (!sections) return sections.error();
   recipe.sections = std::move(*sections);

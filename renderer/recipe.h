@@ -53,6 +53,7 @@ struct Recipe {
   std::optional<ValueSettings> values;                   ///< shown as colours
   std::optional<glm::vec3> clay;                         ///< linear albedo of the whole model; empty: its materials
   SectionSettings sections;                              ///< cut the model
+  float explode = 0.0f;                                  ///< see explode in scene/scene.h
   CaptureSettings capture;                               ///< for one sample
   std::vector<std::string> passes;                       ///< requested passes, by the names of renderer/passes.h
   /// The only planes that are needed; empty: the picture and all its intermediate planes.

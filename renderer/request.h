@@ -72,6 +72,7 @@ struct Request {
   std::string point_sprites = "auto";                   ///< shape of a file's points: "auto", "disc", "sphere"
   /// Planes that cut the model, see parse_sections: "x=0.4", "y=50%", "z<0.4", "nx,ny,nz,d".
   std::vector<std::string> sections{};
+  float explode = 0.0f;                ///< percent by which the parts of the model move away from its centre; 0 to 1000
   std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: set by the look
   std::optional<int> anti_aliasing{};  ///< averaged pictures, 1 to 256; default: set by the quality or look
   /// "0.3" scene units, or "5%" of the bounding-sphere radius; empty: set by the technique.

@@ -358,11 +358,17 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
   glm::vec3 side = has_direction ? -glm::normalize(*framing.direction) : default_side(scene, up, framing.shows_horizon);
   side = turned(side, up, framing.azimuth_deg, framing.elevation_deg);
   const Axes axes = axes_of(focal_point_of(scene, framing), side, up);
+  const glm::vec2 used = 1.0f - framing.free_space;
+  const float used_aspect = aspect * used.x / used.y;
   const bool keep_middle = framing.focal_point.has_value();
-  const Fit fit = framing.orthographic ? fit_orthographic(scene, axes, aspect, framing.margin, keep_middle)
-                                       : fit_perspective(scene, axes, angle_deg, aspect, framing.margin, keep_middle);
-  Camera camera = camera_at(fit.target + fit.distance * side, fit.target, up, angle_deg, fit.height, aspect, framing);
+  const Fit fit = framing.orthographic
+                      ? fit_orthographic(scene, axes, used_aspect, framing.margin, keep_middle)
+                      : fit_perspective(scene, axes, angle_deg, used_aspect, framing.margin, keep_middle);
+  Camera camera =
+      camera_at(fit.target + fit.distance * side, fit.target, up, angle_deg, fit.height, used_aspect, framing);
   if (framing.centers_shadow && scene.ground_object >= 0 && !keep_middle) center_shadow(scene, framing, camera);
+  camera.right += (camera.right - camera.left) * framing.free_space.x / used.x;
+  camera.bottom -= (camera.top - camera.bottom) * framing.free_space.y / used.y;
   return camera;
 }
 

@@ -26,6 +26,8 @@ struct Framing {
   float azimuth_deg = 0.0f, elevation_deg = 0.0f;
   float zoom = 1.0f;  ///< above 1: the model fills more of the picture
   bool orthographic = false;
+  /// Fractions of the picture's width at the right and of its height at the bottom that a fitted model leaves free.
+  glm::vec2 free_space{0.0f};
   /// A fitted camera is fitted without the azimuth and elevation and then moved by them around turn_center, as a
   /// turntable moves it: all directions have one distance.
   bool orbits = false;

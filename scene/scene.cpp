@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+#include <map>
 
 namespace umbrage {
 
@@ -102,6 +104,31 @@ void set_origin(const glm::dvec3& origin, Scene& scene) {
   }
   for (glm::vec3* position : {&scene.bounds_min, &scene.bounds_max, &scene.ground_center}) move(*position);
   scene.origin = origin;
+}
+
+void explode(float fraction, Scene& scene) {
+  constexpr float kFar = std::numeric_limits<float>::max();
+  struct Box {
+    glm::vec3 low{kFar}, high{-kFar};
+    void add(const glm::vec3& p, float radius) { low = glm::min(low, p - radius), high = glm::max(high, p + radius); }
+  };
+  const auto add = [](const Mesh& mesh, Box& box) {
+    for (std::size_t k = 0; k < mesh.positions.size(); ++k)
+      box.add(mesh.positions[k], mesh.radii.empty() ? 0.0f : mesh.radii[k]);
+  };
+  std::map<int, Box> boxes;  // by object
+  for (const Mesh& mesh : scene.meshes) add(mesh, boxes[mesh.object]);
+  if (boxes.size() < 2) scene.warnings.push_back("`explode` does nothing: the model is one part");
+  const glm::vec3 center = scene.center();
+  Box all;
+  for (Mesh& mesh : scene.meshes) {
+    const Box& box = boxes[mesh.object];
+    const glm::vec3 shift = fraction * (0.5f * (box.low + box.high) - center);
+    for (glm::vec3& p : mesh.positions) p += shift;
+    add(mesh, all);
+  }
+  scene.bounds_min = all.low, scene.bounds_max = all.high;
+  scene.shape_facts = std::make_shared<ShapeFacts>();
 }
 
 void set_motion(std::vector<glm::vec3> points, Scene& scene) {

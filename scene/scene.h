@@ -228,6 +228,10 @@ glm::dvec3 scene_origin(const glm::dvec3& low, const glm::dvec3& high);
 /// not. Rounds to floats.
 void set_origin(const glm::dvec3& origin, Scene& scene);
 
+/// Moves each object away from the scene's centre by a fraction of the distance of their centres, and sets the bounds.
+/// Adds a warning if there is only one object.
+void explode(float fraction, Scene& scene);
+
 /// Sets Scene::motion, and the bounds to those of the points. Without points, nothing changes.
 void set_motion(std::vector<glm::vec3> points, Scene& scene);
 

@@ -151,6 +151,8 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   recipe->is_steady = output->is_moving() && o.steady > 0 && can_be_steady(*recipe);
   if (auto checked = check_steady(o, *output, *recipe); !checked) return checked.error();
   job.steady = o.steady;
+  if (o.figure.legend_file.empty())
+    recipe->framing.free_space = legend_space(o.figure.legend, o.request.width, o.request.height);
   job.requested = job.recipe = std::move(*recipe);
   const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)
                                 : o.output == kStandardOutput ? "png"
