@@ -135,11 +135,11 @@ std::vector<std::pair<float, PlaneEdge>> near_pairs(const std::vector<glm::vec3>
 
 /// Adds edges across cracks of up to `crack`, and between the ends of a chain that are closer than a tenth of its size,
 /// from vertices that lack an edge out to those that lack one in; `directed` is false: which have an odd number of
-/// edges. Returns the number of edges, and whether all loops are closed.
+/// edges. Returns the number of these edges that are longer than rounding, and whether all loops are closed.
 std::pair<std::size_t, bool> close_gaps(const std::vector<glm::vec3>& positions, float crack, bool directed,
                                         std::vector<PlaneEdge>& edges) {
-  constexpr float kMaxGap = 0.1f;
-  std::vector<int> missing(positions.size(), 0);  // edges out; below 0: in
+  constexpr float kMaxGap = 0.1f, kRounding = 3e-3f;  // of the chain; of `crack`
+  std::vector<int> missing(positions.size(), 0);      // edges out; below 0: in
   for (const auto& [from, to] : edges) --missing[from], ++missing[to];
   std::vector<std::uint32_t> ends;
   for (std::uint32_t k = 0; k < missing.size(); ++k) {
@@ -158,7 +158,7 @@ std::pair<std::size_t, bool> close_gaps(const std::vector<glm::vec3>& positions,
     edges.push_back(missing[a] > 0 ? PlaneEdge(a, b) : PlaneEdge(b, a));
     chains.join(a, b);
     for (const std::uint32_t k : {a, b}) missing[k] -= missing[k] > 0 ? 1 : -1, left -= missing[k] == 0;
-    ++added;
+    added += d > kRounding * crack;
   }
   return {added, left == 0};
 }

@@ -267,6 +267,7 @@ TEST(Section, ClosesCracksAndSmallHoles) {
     EXPECT_NEAR(cap_area(scene), area, 0.01 * area) << "the bore is empty: " << text;
     EXPECT_EQ(scene.warnings.size(), text[0] == 'z' ? 1u : 0u) << "only the first plane cuts gaps";
   }
+  EXPECT_TRUE(cut(scene_of({shapes::torus(1.0f, 0.3f, 40, 20)}), {"x<0.1"}).warnings.empty()) << "a seam, by rounding";
   // A ball without its first triangles, as scans have holes.
   Mesh ball = closed(shapes::sphere(1.0f, 64, 32));
   ball.indices.erase(ball.indices.begin(), ball.indices.begin() + 3 * 64);

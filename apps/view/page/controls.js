@@ -193,7 +193,7 @@ function text_control(entry, id, describe, change) {
 /// A slider for the first plane of a text such as "x=50%", the buttons of its axis, and the text, which may have more planes.
 function plane_control(entry, id, describe, change) {
   const kPlane = /^([xyz])([=<>])([-\d.]+)%/i;
-  const [kMin, kMax] = [1, 99]; // percent; beyond, nothing is cut
+  const percent_at = (place) => Math.round(2 + 196 * place) / 2; // 1 to 99: beyond, nothing is cut
   let now = "";
   const set = (axis, percent, moving) => {
     const found = now.match(kPlane),
@@ -202,14 +202,14 @@ function plane_control(entry, id, describe, change) {
   };
   const slider = element("input", {
     type: "range",
-    min: kMin,
-    max: kMax,
-    step: 0.5,
+    min: 0,
+    max: 1,
+    step: 0.005,
     "aria-describedby": describe,
     "aria-labelledby": `${id}_label`,
   });
-  slider.addEventListener("input", () => set(null, slider.value, true));
-  slider.addEventListener("change", () => set(null, slider.value, false));
+  slider.addEventListener("input", () => set(null, percent_at(slider.value), true));
+  slider.addEventListener("change", () => set(null, percent_at(slider.value), false));
   const axes = element("select", {
     "aria-label": "Axis of the plane",
     on_change: () => (axes.value ? set(axes.value, null, false) : change(undefined, false)),
@@ -221,8 +221,10 @@ function plane_control(entry, id, describe, change) {
     text.show(value);
     const found = now.match(kPlane);
     axes.value = found?.[1].toLowerCase() ?? "";
-    slider.value = found?.[3] ?? 50;
-    slider.style.setProperty("--place", (slider.value - kMin) / (kMax - kMin));
+    const place = clamp(((found?.[3] ?? 50) - 1) / 98, 0, 1);
+    if (document.activeElement !== slider || Math.abs(place - Number(slider.value)) > 0.02) slider.value = place;
+    slider.style.setProperty("--place", place);
+    slider.setAttribute("aria-valuetext", value ?? "off");
   };
   return { parts: [slider, axes, ...text.parts], show, has_slider: true };
 }
