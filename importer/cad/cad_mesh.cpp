@@ -30,10 +30,11 @@ using Color = std::array<float, 4>;  ///< linear, with opacity
 
 glm::dvec3 vector_of(const gp_XYZ& v) { return {v.X(), v.Y(), v.Z()}; }
 
-/// Makes triangles for all faces of the shapes: within a quarter of a pixel of a picture that they fill.
-void make_triangles(const TDF_LabelSequence& labels, int picture_px) {
+/// Makes triangles for all faces of the parts, of which `whole` are assembled: within a quarter of a pixel of a picture
+/// that they fill.
+void make_triangles(const TDF_LabelSequence& whole, const TDF_LabelSequence& parts, int picture_px) {
   Bnd_Box box;
-  for (const TDF_Label& label : labels) BRepBndLib::Add(XCAFDoc_ShapeTool::GetShape(label), box, false);
+  for (const TDF_Label& label : whole) BRepBndLib::Add(XCAFDoc_ShapeTool::GetShape(label), box, false);
   if (box.IsVoid()) return;
   box = box.FinitePart();
   constexpr double kPixels = 0.25, kAngle = 0.2, kMinDeflection = 1e-6;  // radians; millimetres
@@ -42,7 +43,8 @@ void make_triangles(const TDF_LabelSequence& labels, int picture_px) {
   rules.Deflection = std::max(kMinDeflection, kPixels * diagonal / double(std::max(1, picture_px)));
   rules.Angle = kAngle;
   rules.MinSize = rules.Deflection;  // a hole that is smaller than a pixel needs no 31 sides
-  for (const TDF_Label& label : labels) BRepMesh_IncrementalMesh(XCAFDoc_ShapeTool::GetShape(label), rules);
+  for (const TDF_Label& label : parts)
+    if (!XCAFDoc_ShapeTool::IsAssembly(label)) BRepMesh_IncrementalMesh(XCAFDoc_ShapeTool::GetShape(label), rules);
 }
 
 /// The normals of a surface, unit.
@@ -133,19 +135,25 @@ std::string name_of(const TDF_Label& label) {
   return utf8;
 }
 
-/// Returns the name of a place of a part, or else of the part. OpenCASCADE names places without a name by "=>" and
-/// their label, other programs by NAUO and a number.
-std::string name_of(const XCAFPrs_DocumentNode& node) {
-  const std::string place = name_of(node.Label), part = name_of(node.RefLabel);
-  const bool is_made_up = place.empty() || place.starts_with("=>") || place.starts_with("NAUO");
-  return is_made_up && !part.empty() ? part : place;
+/// Returns the name of the place of a part, else that of the part, else that of the assembly around it. Programs that
+/// have no name for a place write NAUO and a number, or => and a label of OpenCASCADE.
+std::string name_of(const XCAFPrs_DocumentExplorer& at) {
+  for (int depth = at.CurrentDepth(); depth >= 0; --depth) {
+    const XCAFPrs_DocumentNode& node = at.Current(depth);
+    for (const TDF_Label& label : {node.Label, node.RefLabel})
+      if (std::string name = name_of(label); !name.empty() && !name.starts_with("NAUO") && !name.starts_with("=>"))
+        return name;
+  }
+  return "";
 }
 
 /// Returns the index of the material of a colour; of faces without a colour, the default.
-int material_of(const RWMesh_FaceIterator& face, std::map<std::optional<Color>, int>& known, Scene& scene) {
+int material_of(const RWMesh_FaceIterator& face, const SurfaceColors& colors,
+                std::map<std::optional<Color>, int>& known, Scene& scene) {
   std::optional<Color> color;
-  if (face.HasFaceColor()) {
-    const Quantity_ColorRGBA& from = face.FaceColor();
+  const auto known_color = face.HasFaceColor() ? colors.end() : colors.find(surface_of(face.Face()));
+  if (face.HasFaceColor() || known_color != colors.end()) {
+    const Quantity_ColorRGBA from = face.HasFaceColor() ? face.FaceColor() : Quantity_ColorRGBA(known_color->second);
     color = Color{float(from.GetRGB().Red()), float(from.GetRGB().Green()), float(from.GetRGB().Blue()), from.Alpha()};
   }
   const auto [found, is_new] = known.emplace(color, int(scene.materials.size()));
@@ -162,16 +170,24 @@ int material_of(const RWMesh_FaceIterator& face, std::map<std::optional<Color>, 
 
 }  // namespace
 
-Scene scene_of_document(const Handle(TDocStd_Document) & document, int picture_px) {
+const void* surface_of(const TopoDS_Face& face) {
+  TopLoc_Location location;
+  return BRep_Tool::Surface(face, location).get();
+}
+
+Scene scene_of_document(const Handle(TDocStd_Document) & document, const SurfaceColors& colors, int picture_px) {
   Scene scene;
   scene.up = {0.0f, 0.0f, 1.0f};
-  TDF_LabelSequence labels;
-  XCAFDoc_DocumentTool::ShapeTool(document->Main())->GetFreeShapes(labels);
-  make_triangles(labels, picture_px);
+  TDF_LabelSequence whole, parts;
+  const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
+  shapes->GetFreeShapes(whole);
+  shapes->GetShapes(parts);
+  make_triangles(whole, parts, picture_px);
   std::map<std::optional<Color>, int> materials;
   std::vector<PlacedMesh> meshes;
   std::size_t faces = 0, missing = 0, hidden = 0;
-  int object = 0;
+  int objects = 0;
+  std::optional<int> object_of_faces;  // a surface model of IGES is one object, not one per face
   bool has_curves = false;
   for (XCAFPrs_DocumentExplorer part(document, XCAFPrs_DocumentExplorerFlags_OnlyLeafNodes); part.More(); part.Next()) {
     const XCAFPrs_DocumentNode& node = part.Current();
@@ -187,22 +203,26 @@ Scene scene_of_document(const Handle(TDocStd_Document) & document, int picture_p
       ++faces;
       missing += BRep_Tool::Triangulation(TopoDS::Face(face.Current()), location).IsNull();
     }
+    const bool is_face = shape.ShapeType() == TopAbs_FACE;
+    const int object = is_face ? object_of_faces.value_or(objects) : objects;
     const std::size_t first = meshes.size();
     constexpr bool kColors = true;
     for (RWMesh_FaceIterator face(node.RefLabel, node.Location, kColors, node.Style); face.More(); face.Next()) {
       if (!face.FaceStyle().IsVisible()) continue;
-      const int material = material_of(face, materials, scene);
+      const int material = material_of(face, colors, materials, scene);
       auto mesh = std::find_if(meshes.begin() + std::ptrdiff_t(first), meshes.end(),
                                [&](const PlacedMesh& each) { return each.mesh.material == material; });
       if (mesh == meshes.end()) {
         mesh = meshes.insert(meshes.end(), PlacedMesh{});
-        mesh->mesh.name = name_of(node);
+        mesh->mesh.name = name_of(part);
         mesh->mesh.material = material;
         mesh->mesh.object = object;
       }
       add_face(face, *mesh);
     }
-    if (meshes.size() > first) ++object;
+    if (meshes.size() == first) continue;
+    objects = std::max(objects, object + 1);
+    if (is_face) object_of_faces = object;
   }
   move_to_scene(std::move(meshes), scene);
   const auto warn = [&](std::size_t count, const std::string& what) {

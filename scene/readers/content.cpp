@@ -128,10 +128,16 @@ bool are_numbers(const std::vector<std::string_view>& words, std::size_t first) 
                      [](std::string_view word) { return number_of(word).has_value(); });
 }
 
+/// Returns whether columns 73 to 80 of the first line are those of IGES: S, and 1 after blanks or zeros.
+bool is_iges(std::string_view text) {
+  constexpr std::size_t kSection = 72, kLine = 80;
+  if (text.size() <= kLine || text[kSection] != 'S' || text[kLine - 1] != '1') return false;
+  return text.substr(kSection + 1, kLine - kSection - 2).find_first_not_of(" 0") == std::string_view::npos;
+}
+
 std::string format_of_text(std::string_view text) {
   const std::string_view whole = text = without_mark(text);
-  constexpr std::size_t kIgesSection = 72, kIgesLine = 80;  // columns; the first line is number 1 of the section S
-  if (text.size() > kIgesLine && text.substr(kIgesSection, kIgesLine - kIgesSection) == "S      1") return "iges";
+  if (is_iges(text)) return "iges";
   text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
   if (text.starts_with('{')) return text.find("\"asset\"") != std::string_view::npos ? "gltf" : "";
   if (text.starts_with('<')) {
