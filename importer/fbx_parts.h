@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "importer/fbx_file.h"
-#include "importer/placed_mesh.h"
+#include "importer/common/placed_mesh.h"
 #include "scene/scene.h"
 
 namespace umbrage {

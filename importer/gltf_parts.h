@@ -10,7 +10,7 @@
 
 #include "importer/gltf_accessor.h"
 #include "importer/gltf_file.h"
-#include "importer/placed_mesh.h"
+#include "importer/common/placed_mesh.h"
 #include "scene/scene.h"
 
 namespace umbrage {

@@ -27,7 +27,7 @@
 #include <system_error>
 
 #include "importer/import_materials.h"
-#include "importer/placed_mesh.h"
+#include "importer/common/placed_mesh.h"
 #include "importer/readers.h"
 #include "scene/readers/content.h"
 #include "scene/readers/import_parts.h"

@@ -18,7 +18,7 @@
 #include <unordered_map>
 
 #include "importer/importer.h"
-#include "importer/placed_mesh.h"
+#include "importer/common/placed_mesh.h"
 #include "importer/three_mf_parts.h"
 #include "scene/readers/texture_file.h"
 #include "scene/readers/vertex_colors.h"

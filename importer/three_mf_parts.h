@@ -16,7 +16,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "importer/placed_mesh.h"
+#include "importer/common/placed_mesh.h"
 #include "scene/readers/read_number.h"
 
 namespace umbrage {

@@ -128,8 +128,16 @@ bool are_numbers(const std::vector<std::string_view>& words, std::size_t first) 
                      [](std::string_view word) { return number_of(word).has_value(); });
 }
 
+/// Returns whether columns 73 to 80 of the first line are those of IGES: S, and 1 after blanks or zeros.
+bool is_iges(std::string_view text) {
+  constexpr std::size_t kSection = 72, kLine = 80;
+  if (text.size() <= kLine || text[kSection] != 'S' || text[kLine - 1] != '1') return false;
+  return text.substr(kSection + 1, kLine - kSection - 2).find_first_not_of(" 0") == std::string_view::npos;
+}
+
 std::string format_of_text(std::string_view text) {
   const std::string_view whole = text = without_mark(text);
+  if (is_iges(text)) return "iges";
   text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
   if (text.starts_with('{')) return text.find("\"asset\"") != std::string_view::npos ? "gltf" : "";
   if (text.starts_with('<')) {
@@ -162,7 +170,12 @@ std::string format_of_text(std::string_view text) {
 
 /// Returns one name for extensions of one format.
 std::string_view family_of(std::string_view format) {
-  return format == "glb" ? "gltf" : format == "pts" ? "xyz" : format == "ent" ? "pdb" : format;
+  return format == "glb"   ? "gltf"
+         : format == "pts" ? "xyz"
+         : format == "ent" ? "pdb"
+         : format == "stp" ? "step"
+         : format == "igs" ? "iges"
+                           : format;
 }
 
 struct Unread {
@@ -195,8 +208,12 @@ std::string format_of_file(const fs::path& file) {
   return is_known_name || contains(formats, found) || conversion_advice(named).empty() ? found : named;
 }
 
+bool is_cad(std::string_view format) {
+  return contains(std::initializer_list<std::string_view>{"step", "stp", "iges", "igs"}, format);
+}
+
 std::string units_of(const std::string& format) {
-  if (format == "3mf") return "mm";
+  if (format == "3mf" || is_cad(format)) return "mm";
   if (format == "gltf" || format == "glb") return "m";
   return "";
 }
@@ -205,9 +222,7 @@ std::string conversion_advice(std::string_view format) {
   // Assimp 5.2 reads some of these, but wrongly: it misplaces rotated instances of AMF and blackens objects without a
   // colour, refuses textures of X3D and mixes up its colours of faces, and has no reader for VRML in Debian.
   static const Unread kUnread[] = {
-      {{"step", "stp", "iges", "igs", "brep", "fcstd"},
-       "a CAD format",
-       "export .3mf, .stl or .obj, for example with FreeCAD"},
+      {{"brep", "fcstd"}, "a CAD format", "export .step, for example with FreeCAD"},
       {{"ifc"}, "a format of buildings", "convert it to .glb, for example with IfcConvert"},
       {{"usd", "usda", "usdc", "usdz", "abc"}, "a scene format", "convert it to .glb, for example with Blender"},
       {{"blend"}, "Blender's own format", "export .glb from Blender"},

@@ -17,8 +17,11 @@ inline constexpr std::size_t kContentBytes = std::size_t(1) << 16;
 /// its extension tells; else that of its extension, as import_format returns it.
 std::string format_of_file(const std::filesystem::path& file);
 
-/// Returns the unit of length of formats that define one, such as "gltf"; else an empty string. The formats that Assimp
-/// reads are not converted to metres.
+/// Returns whether a format is one that umbrage-import-cad reads.
+bool is_cad(std::string_view format);
+
+/// Returns the unit of length of formats that define one, such as "gltf", or to which its reader converts; else an
+/// empty string. The formats that Assimp reads are not converted to metres.
 std::string units_of(const std::string& format);
 
 /// Returns what a format is that is not read and what to do, as "a CAD format that is not read; ..."; empty for others.

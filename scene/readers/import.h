@@ -24,10 +24,13 @@ struct ImportSettings {
   float animation_time = 0.0f;  ///< seconds from the start of the animation
   /// Name of the field of values to read; empty: all of them; not set: none.
   std::optional<std::string> field;
+  /// The larger side of the picture, pixels: curved surfaces of CAD files become triangles that differ from them by at
+  /// most a quarter of a pixel, if the whole model fills the picture.
+  int picture_px = 1024;
   bool file_lights = false;  ///< whether the lights of a glTF file are read; else looks have their own
 };
 
-/// Reads 3DS and DAE through Assimp, PDB through Gemmi, OBJ with MTL, glTF/GLB, FBX, PLY, STL, OFF, 3MF, VTK and points
+/// Reads 3DS and DAE through Assimp, PDB through Gemmi, STEP and IGES through OpenCASCADE, OBJ with MTL, glTF/GLB, FBX, PLY, STL, OFF, 3MF, VTK and points
 /// in text form (XYZ, PTS) with readers of our own, and textures through stb_image and libwebp. Applies node transforms,
 /// triangulates faces, drops degenerate triangles and triangles with coordinates that are not finite, and creates
 /// normals where the file has none. PLY, OFF, OBJ and XYZ files without faces, and points of glTF files, become points.

@@ -1,6 +1,7 @@
-// Runs umbrage-import in a child process; importer/importer.cpp is the code in the child. The child is spawned instead
-// of forked: after fork alone, the child of a program with threads may not even allocate memory, and copying the page
-// tables of a large program costs more than starting a small one (docs/reliability.md).
+// Runs umbrage-import or umbrage-import-cad in a child process; importer/common/serve_import.cpp is the code in the
+// child. The child is spawned instead of forked: after fork alone, the child of a program with threads may not even
+// allocate memory, and copying the page tables of a large program costs more than starting a small one
+// (docs/reliability.md).
 #include "scene/readers/import_in_child_process.h"
 
 #include <fcntl.h>
@@ -20,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "scene/readers/content.h"
 #include "scene/readers/transfer.h"
 #include "system/child_process.h"
 
@@ -28,7 +30,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kProgram = "umbrage-import";
+/// A program that reads models.
+struct ImportProgram {
+  const char *name, *variable;  ///< variable: the environment variable of its path
+  const char* what_to_install;
+};
+
+const ImportProgram& program_for(const std::string& format) {
+  static constexpr ImportProgram kAll{"umbrage-import", "UMBRAGE_IMPORT", "it"},
+      kCad{"umbrage-import-cad", "UMBRAGE_IMPORT_CAD", "the package umbrage-import-cad"};
+  return is_cad(format) ? kCad : kAll;
+}
 
 /// Moves a descriptor to a number that is not one of the child's, so that the child's dup2 calls do not close it.
 Descriptor moved_to_free_number(int number) {
@@ -75,9 +87,10 @@ Error error_of_child(const fs::path& file, const ChildExit& ended) {
 
 }  // namespace
 
-fs::path import_program() {
-  if (const char* configured = std::getenv("UMBRAGE_IMPORT"); configured && *configured) return configured;
-  return find_helper(kProgram);
+fs::path import_program(const std::string& format) {
+  const ImportProgram& program = program_for(format);
+  if (const char* configured = std::getenv(program.variable); configured && *configured) return configured;
+  return find_helper(program.name);
 }
 
 namespace {
@@ -98,14 +111,14 @@ ssize_t wait_for_byte(int pipe, Poll* poll) {
   return byte_count;
 }
 
-/// Runs umbrage-import with these arguments, which name the file, and receives its result.
+/// Runs the program for a format with these arguments, which name the file, and receives its result.
 template <class T>
-Result<T> read_in_child_process(const fs::path& file, const std::vector<std::string>& words,
+Result<T> read_in_child_process(const fs::path& file, const std::string& format, const std::vector<std::string>& words,
                                 std::optional<Result<T>> (*receive)(int), Poll* poll) {
-  const fs::path program = import_program();
-  if (program.empty())
-    return file_error("'{}' cannot be read: the program {} is missing; install it, or set UMBRAGE_IMPORT to its path",
-                      file.string(), kProgram);
+  const fs::path program = import_program(format);
+  if (const ImportProgram& wanted = program_for(format); program.empty())
+    return file_error("'{}' cannot be read: the program {} is missing; install {}, or set {} to its path",
+                      file.string(), wanted.name, wanted.what_to_install, wanted.variable);
   Descriptor result = moved_to_free_number(::memfd_create("umbrage-scene", MFD_CLOEXEC));
   int pipe_ends[2] = {-1, -1};
   Descriptor reported, done;
@@ -149,16 +162,16 @@ Result<Scene> import_in_child_process(const fs::path& file, const ImportSettings
   const auto number = [](float v) { return fmt::format("{}", v); };
   const auto index = [](const std::optional<int>& v) { return fmt::format("{}", v.value_or(kNoIndex)); };
   return read_in_child_process<Scene>(
-      file,
+      file, format_of_file(file),
       {file.string(), number(settings.crease_angle_deg.value_or(kNoAngle)), number(settings.up.x),
        number(settings.up.y), number(settings.up.z), index(settings.scene_index), index(settings.animation_index),
        number(settings.animation_time), settings.file_lights ? "1" : "0",
-       settings.field ? kFieldMark + *settings.field : ""},
+       settings.field ? kFieldMark + *settings.field : "", fmt::format("{}", settings.picture_px)},
       receive_import, poll);
 }
 
 Result<Panorama> read_panorama_in_child_process(const fs::path& file, Poll* poll) {
-  return read_in_child_process<Panorama>(file, {kPanoramaOption, file.string()}, receive_panorama, poll);
+  return read_in_child_process<Panorama>(file, "", {kPanoramaOption, file.string()}, receive_panorama, poll);
 }
 
 }  // namespace umbrage

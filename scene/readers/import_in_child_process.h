@@ -10,9 +10,9 @@ namespace umbrage {
 /// when the scene is complete. If the process ends without writing that byte, it has crashed.
 inline constexpr int kImportResult = 3, kImportDone = 4;
 
-/// Runs umbrage-import on a file. Safe to call from several threads and in any host: processes are started only by
+/// Runs umbrage-import, or umbrage-import-cad, on a file. Safe to call from several threads and in any host: processes are started only by
 /// posix_spawn, and signal handlers are not changed. Errors: kFile: the reader's error, or that it crashed
-/// or was stopped, or that the program umbrage-import is missing; kInterrupted, after umbrage-import has ended.
+/// or was stopped, or that the program is missing; kInterrupted, after the program has ended.
 Result<Scene> import_in_child_process(const std::filesystem::path& file, const ImportSettings& settings,
                                       Poll* poll = nullptr);
 
@@ -29,8 +29,8 @@ inline constexpr const char* kPanoramaOption = "--panorama";
 /// Errors: as import_in_child_process.
 Result<Panorama> read_panorama_in_child_process(const std::filesystem::path& file, Poll* poll = nullptr);
 
-/// Returns the path of umbrage-import: the value of the environment variable UMBRAGE_IMPORT, if set; else as
-/// find_helper.
-std::filesystem::path import_program();
+/// Returns the path of the program that reads a format: of umbrage-import-cad for those of CAD, else of umbrage-import.
+/// It is the value of the environment variable UMBRAGE_IMPORT_CAD or UMBRAGE_IMPORT, if set; else as find_helper.
+std::filesystem::path import_program(const std::string& format = "");
 
 }  // namespace umbrage

@@ -110,8 +110,9 @@ void make_printable(Scene& scene) {
 }  // namespace
 
 const std::vector<std::string>& import_formats() {
-  static const std::vector<std::string> formats{"obj", "ply", "stl", "gltf", "glb", "3ds", "dae", "fbx", "off",
-                                                "xyz", "pts", "pdb", "ent",  "3mf", "vtk", "vtp", "vtu"};
+  static const std::vector<std::string> formats{"obj", "ply", "stl", "gltf", "glb", "3ds",  "dae",
+                                                "fbx", "off", "xyz", "pts",  "pdb", "ent",  "3mf",
+                                                "vtk", "vtp", "vtu", "step", "stp", "iges", "igs"};
   return formats;
 }
 

@@ -1,4 +1,4 @@
-#include "importer/placed_mesh.h"
+#include "importer/common/placed_mesh.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>

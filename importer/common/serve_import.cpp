@@ -1,6 +1,6 @@
-// The main function of umbrage-import, which scene/readers/import_in_child_process.cpp starts, and its limits of
-// processor time and address space, set with setrlimit and alarm.
-#include "importer/importer.h"
+// The main function of umbrage-import and umbrage-import-cad, which scene/readers/import_in_child_process.cpp starts,
+// and their limits of processor time and address space, set with setrlimit and alarm.
+#include "importer/common/serve_import.h"
 
 #include <fcntl.h>
 #include <malloc.h>
@@ -23,13 +23,15 @@
 
 namespace umbrage {
 
-void serve_import(int argc, char** argv, const ImportFunction& import, const PanoramaFunction& panorama) {
+void serve_import(int argc, char** argv, const ImportFunction& import, const PanoramaFunction& panorama,
+                  const ImportLimits& limits) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends this process when the host ends
-  constexpr int kArguments = 11, kPanoramaArguments = 3;
-  const bool is_panorama = argc == kPanoramaArguments && std::string_view(argv[1]) == kPanoramaOption;
+  constexpr int kArguments = 12, kPanoramaArguments = 3;
+  const bool is_panorama = panorama && argc == kPanoramaArguments && std::string_view(argv[1]) == kPanoramaOption;
   if ((argc != kArguments && !is_panorama) || ::fcntl(kImportResult, F_GETFD) < 0 ||
       ::fcntl(kImportDone, F_GETFD) < 0) {
-    fmt::print(stderr, "umbrage-import: this program is started by umbrage and its library, not by hand\n");
+    fmt::print(stderr, "{}: this program is started by umbrage and its library, not by hand\n",
+               argc > 0 ? std::filesystem::path(argv[0]).filename().string() : "umbrage-import");
     std::_Exit(int(ErrorKind::kUsage));
   }
   // If the host has ended before the call to prctl, the pipe has no reader.
@@ -41,7 +43,7 @@ void serve_import(int argc, char** argv, const ImportFunction& import, const Pan
   ::mallopt(M_TOP_PAD, kStep);
   ::mallopt(M_TRIM_THRESHOLD, kNever);
   ::mallopt(M_MMAP_THRESHOLD, kNever);
-  limit_process();
+  limit_process(limits);
   raise_limits_for(file);
   const auto catch_bad_alloc = [&](const auto& read) -> decltype(read()) {
     try {
@@ -65,6 +67,7 @@ void serve_import(int argc, char** argv, const ImportFunction& import, const Pan
     settings.animation_time = number(8);
     settings.file_lights = number(9) != 0.0f;
     if (argv[10][0] == kFieldMark) settings.field = argv[10] + 1;
+    settings.picture_px = std::atoi(argv[11]);
     sent = send_import(kImportResult, catch_bad_alloc([&] { return import(file, settings); }));
   }
   const char byte = 1;
@@ -77,12 +80,9 @@ void serve_import(int argc, char** argv, const ImportFunction& import, const Pan
 
 namespace {
 
-// OBJ, 3DS and glTF take 0.01 to 0.1 s per megabyte and at most 20 bytes of memory per byte (docs/reliability.md).
-// The limits allow for slow machines and for highly compressed textures or buffers.
-constexpr double kBaseSeconds = 8.0, kSecondsPerMegabyte = 2.0;
-constexpr double kBaseMemory = 1.5e9, kMemoryPerByte = 200.0;
 constexpr double kWaitingPerSecond = 8.0;  ///< elapsed time per second of processor time, for a busy machine
 
+ImportLimits limits_of_process;
 double bytes_allowed = -1.0;  // below 0: limit_process has not been called
 
 void set(int resource, double value) {
@@ -94,9 +94,10 @@ void set(int resource, double value) {
 }
 
 void apply() {
-  const double seconds = kBaseSeconds + kSecondsPerMegabyte * 1e-6 * bytes_allowed;
+  const ImportLimits& limits = limits_of_process;
+  const double seconds = limits.base_seconds + limits.seconds_per_megabyte * 1e-6 * bytes_allowed;
   set(RLIMIT_CPU, seconds);
-  if (memory_can_be_limited()) set(RLIMIT_AS, kBaseMemory + kMemoryPerByte * bytes_allowed);
+  if (memory_can_be_limited()) set(RLIMIT_AS, limits.base_memory + limits.memory_per_byte * bytes_allowed);
   ::alarm(unsigned(std::min(1e6, kWaitingPerSecond * seconds)));
 }
 
@@ -109,7 +110,8 @@ bool memory_can_be_limited() {
   return pages * double(::sysconf(_SC_PAGESIZE)) < kMinShadowMemory;
 }
 
-void limit_process() {
+void limit_process(const ImportLimits& limits) {
+  limits_of_process = limits;
   bytes_allowed = 0.0;
   set(RLIMIT_CORE, 0.0);
   apply();
