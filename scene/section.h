@@ -40,12 +40,12 @@ Result<std::vector<SectionPlane>> parse_sections(const std::string& text);
 /// Returns a text that differs between settings with different results.
 std::string key_of(const SectionSettings& settings);
 
-/// Cuts a finished scene: what remains is on the kept side of all planes. Triangles are clipped, points stay or go by
-/// their centres. Parts are sets of triangles of one object that are connected at equal positions, with the cavities
-/// in them; those of an object that are not closed are one part. Where a plane cuts a closed part, the cut is filled by
-/// a cap in the plane, which faces what was removed; a part's caps are an object, with a matt material. Cracks up
-/// to 3/1000 of the cut's size are closed, and gaps in a chain of edges up to a tenth of its size; edges that are still
-/// open get no cap. Warnings count such parts.
+/// Cuts a finished scene, after show_values, since cut meshes lose their fields: what remains is on the kept side of
+/// all planes. Triangles are clipped, points stay or go by their centres. Parts are sets of triangles of one object
+/// that are connected at equal positions, with the cavities in them; those of an object that are not closed are one
+/// part. Where a plane cuts a closed part, the cut is filled by a cap in the plane, which faces what was removed; a
+/// part's caps are an object, with a matt material. Cracks up to 3/1000 of the cut's size are closed, and gaps in a
+/// chain of edges up to a tenth of its size; edges that are still open get no cap. Warnings count such parts.
 /// Scene::ground_object stays whole. The scene as it was becomes Scene::start, and the points around it Scene::motion,
 /// so that the camera, the exposure and lengths relative to the model do not depend on the planes. Faces in a plane
 /// belong to the removed side. Errors: kUsage if a plane misses the model, or nothing is left.

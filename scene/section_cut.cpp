@@ -117,7 +117,6 @@ class MeshCutter {
     numbers_.assign(from_.positions.size(), kNoVertex);
     to_.name = from_.name, to_.material = from_.material, to_.object = from_.object;
     to_.points = from_.points, to_.spheres = from_.spheres;
-    for (const Field& field : from_.fields) to_.fields.push_back({field.name, field.components, false, {}});
     if (from_.points) {
       for (std::uint32_t k = 0; k < from_.positions.size(); ++k)
         if (distances_[k] < 0.0) copied(k);
@@ -168,11 +167,6 @@ class MeshCutter {
     mix(from_.colors, to_.colors);
     mix(from_.radii, to_.radii);
     mix(from_.bends, to_.bends);
-    for (std::size_t f = 0; f < to_.fields.size(); ++f)
-      for (std::size_t c = 0, n = std::size_t(to_.fields[f].components); c < n; ++c) {
-        const float first = from_.fields[f].values[a * n + c], second = from_.fields[f].values[b * n + c];
-        to_.fields[f].values.push_back(a == b ? first : first + float(t) * (second - first));
-      }
   }
 
   void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t part) {
