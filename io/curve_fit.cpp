@@ -207,7 +207,9 @@ void move_break(const Samples& s, CurvePiece& a, CurvePiece& b) {
   constexpr std::size_t kReach = 12;  // samples
   const std::size_t from = std::max(a.first + 1, a.last - std::min(a.last, kReach));
   const std::size_t to = std::min(b.last - 1, b.first + kReach);
-  if (from > to) return;
+  // Where a line turns back both are equally near everywhere.
+  const dvec2 here = s[a.last].at;
+  if (from > to || glm::dot(a.curve.direction(here), b.curve.direction(here)) < kMinForward) return;
   double cost = 0.0, best = 0.0;
   std::size_t at = from;
   for (std::size_t k = from + 1; k <= to; ++k) {
@@ -253,7 +255,8 @@ void merge_pieces(const Samples& s, std::vector<CurvePiece>& pieces, const Fitti
 /// another.
 void sharpen_corners(const Samples& s, std::vector<CurvePiece>& pieces, bool closed) {
   const auto is_corner = [&](std::size_t k) {
-    const CurvePiece &a = pieces[k - 1], &b = pieces[k + 1], &piece = pieces[k];
+    const std::size_t count = pieces.size();
+    const CurvePiece &a = pieces[(k + count - 1) % count], &b = pieces[(k + 1) % count], &piece = pieces[k];
     const dvec2 near = s[(piece.first + piece.last) / 2].at;
     const double length = extent(s, piece);
     if (length > kCornerPiece || std::min(extent(s, a), extent(s, b)) < 1.5 * length) return false;
@@ -271,12 +274,15 @@ void sharpen_corners(const Samples& s, std::vector<CurvePiece>& pieces, bool clo
     }
     return std::max(nearest, off) < kRounding;
   };
-  for (std::size_t k = 1; k + 1 < pieces.size();) {
+  // The first and last piece of a closed polyline have neighbours, too.
+  for (std::size_t k = closed ? 0 : 1; pieces.size() > 2 && k + (closed ? 0 : 1) < pieces.size();) {
     if (!is_corner(k)) {
       ++k;
       continue;
     }
-    pieces[k - 1].last = pieces[k + 1].first = (pieces[k].first + pieces[k].last) / 2;
+    const std::size_t middle = (pieces[k].first + pieces[k].last) / 2;
+    if (k > 0) pieces[k - 1].last = k + 1 < pieces.size() ? middle : pieces[k].last;
+    if (k + 1 < pieces.size()) pieces[k + 1].first = k > 0 ? middle : 0;
     pieces.erase(pieces.begin() + std::ptrdiff_t(k));
   }
   if (closed) return;
@@ -317,6 +323,8 @@ void join_pieces(const Samples& s, std::vector<CurvePiece>& pieces, bool closed,
     const FittedCurve both[] = {a.curve, b.curve};
     a.to = b.from = meeting_point(both, s[a.last].at, kCornerReach);
   }
+  for (CurvePiece& piece : pieces)  // a short arc whose ends have changed places would go all the way round
+    if (piece.curve.radius > 0.0 && piece.length() > 1.5 * extent(s, piece) + 1.0) piece.make_straight();
 }
 
 /// Returns the two halves of a circle, if the samples are one.
@@ -343,6 +351,11 @@ dvec2 FittedCurve::normal(dvec2 p) const {
 dvec2 FittedCurve::direction(dvec2 p) const {
   if (radius == 0.0) return along;
   return turns_right ? left_of(normal(p)) : -left_of(normal(p));
+}
+
+void CurvePiece::make_straight() {
+  const double length = glm::distance(from, to);
+  curve = {.center = from, .along = length > 0.0 ? (to - from) / length : dvec2(1.0, 0.0)};
 }
 
 double CurvePiece::angle() const {

@@ -31,6 +31,8 @@ struct CurvePiece {
   std::size_t first = 0, last = 0;  ///< samples that it fits, inclusive
   glm::dvec2 from{0.0}, to{0.0};    ///< its ends
 
+  /// Makes it the straight line between its ends.
+  void make_straight();
   /// Returns the signed angle of the arc, in radians, positive from +x to +y; 0 for a line.
   double angle() const;
   /// Returns its length.

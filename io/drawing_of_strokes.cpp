@@ -1,10 +1,12 @@
 #include "io/drawing_of_strokes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
-#include <numbers>
+#include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -19,7 +21,7 @@ constexpr double kFitTolerance = 0.1;        // pixels
 constexpr double kMinCornerCosine = 0.9;     // of 26 degrees: lines that turn more are divided
 constexpr double kMinStraightCosine = 0.99;  // of 8 degrees, the same between straight lines longer than kMinStraight
 constexpr double kMinStraight = 20.0;        // pixels
-constexpr double kMinDivided = 6.0;          // pixels: min length of both sides of a corner where a line is divided
+constexpr double kMinDivided = 8.0;          // pixels: min length of both sides of a corner where a line is divided
 constexpr double kMaxBeside = 0.75;          // pixels: by which an end may move across its line
 constexpr double kCovered = 20.0;            // pixels: length of the end of a line that others cover
 constexpr float kMinWidth = 0.005f;          // pixels: thinner lines are left out
@@ -60,11 +62,11 @@ bool is_even(const CurveFit& fit) {
 }
 
 /// Appends a stroke's lines: one, or several that meet at its corners.
-void add_lines_of(const Stroke& stroke, std::vector<Line>& lines) {
+void add_lines_of(const Stroke& stroke, const LineStyle& style, std::vector<Line>& lines) {
   const CurveFit fit = fit_curve(stroke, kFitTolerance, !is_hatching(stroke.kind));
   const std::size_t count = fit.pieces.size();
   if (count == 0) return;
-  const bool is_divided = !is_hatching(stroke.kind) && is_even(fit);
+  const bool is_divided = !is_hatching(stroke.kind) && (!style.varies || is_even(fit));
   const auto divides = [&](const CurvePiece& a, const CurvePiece& b) {
     const double length = std::min(a.length(), b.length()), cosine = glm::dot(a.direction_at(1), b.direction_at(0));
     const bool is_straight = a.curve.radius == 0.0 && b.curve.radius == 0.0 && length > kMinStraight;
@@ -151,6 +153,17 @@ Result<void> check_strokes(const Strokes& strokes) {
   return {};
 }
 
+/// Returns the ends of a straight line in 1/50 pixels, in order: an edge that was traced twice is one line. Returns
+/// nothing for other lines.
+std::optional<std::array<long, 4>> ends_of(const Line& line) {
+  const CurvePiece& piece = line.pieces[0].piece;
+  if (line.pieces.size() != 1 || piece.curve.radius > 0.0) return {};
+  const auto rounded = [](double v) { return std::lround(50.0 * v); };
+  std::array<long, 4> ends = {rounded(piece.from.x), rounded(piece.from.y), rounded(piece.to.x), rounded(piece.to.y)};
+  if (std::pair(ends[0], ends[1]) > std::pair(ends[2], ends[3])) ends = {ends[2], ends[3], ends[0], ends[1]};
+  return ends;
+}
+
 /// Returns a dot for a stroke without length.
 DrawnPath dot_of(const StrokePoint& p, const LineStyle& style) {
   return {.x = p.x, .y = p.y, .segments = {{.x = p.x, .y = p.y}}, .stroke = style.color, .width = p.width};
@@ -167,11 +180,14 @@ Result<Drawing> drawing_of(const Strokes& strokes, const LineStyle& style) {
     const auto widest = std::max_element(stroke.points.begin(), stroke.points.end(), width);
     if (widest == stroke.points.end() || widest->width < kMinWidth) continue;
     const std::size_t before = lines.size();
-    add_lines_of(stroke, lines);
+    add_lines_of(stroke, style, lines);
     if (lines.size() == before) layers[{stroke.kind, stroke.object}].push_back(dot_of(*widest, style));
   }
   join_ends(lines);
-  for (const Line& line : lines) layers[{line.stroke->kind, line.stroke->object}].push_back(path_of(line, style));
+  std::set<std::array<long, 4>> straight;
+  for (const Line& line : lines)
+    if (const auto ends = ends_of(line); !ends || straight.insert(*ends).second)
+      layers[{line.stroke->kind, line.stroke->object}].push_back(path_of(line, style));
   Drawing drawing{.width = float(strokes.width), .height = float(strokes.height), .background = style.background};
   for (auto& [key, shapes] : layers)
     drawing.layers.push_back({std::string(layer_name(key.first)), key.second, style.opacity, std::move(shapes)});

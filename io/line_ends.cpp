@@ -14,6 +14,8 @@ using glm::dvec2;
 constexpr double kMeetingReach = 2.0;  // pixels: max distance of ends that meet
 constexpr double kEndReach = 6.0;      // pixels by which a line may become longer or shorter to meet an end
 constexpr double kSideReach = 3.0;     // pixels, likewise to meet the side of another
+constexpr double kMaxShorter = 1.0;    // pixels by which a line may become shorter to meet an end
+constexpr double kMaxSide = 10000.0;   // pixels: length of a line that others are joined to all along
 constexpr double kMaxBeside = 0.75;    // pixels: by which an end may move across its line
 
 /// Things near a position.
@@ -51,6 +53,11 @@ struct LineEnd {
   dvec2& at() const { return last ? piece().to : piece().from; }
   bool& joined() const { return line->joined[std::size_t(last)]; }
 
+  /// Returns whether the line would become much shorter if it ended there.
+  bool is_behind(dvec2 p) const {
+    const dvec2 outward = last ? piece().direction_at(1) : -piece().direction_at(0);
+    return glm::dot(outward, p - at()) < -kMaxShorter;
+  }
   /// Moves the end, unless that would move it across its line, or turn a line around that is as short.
   bool move_to(dvec2 p) const {
     if (std::abs(piece().curve.distance(p)) > kMaxBeside || piece().length() < 2.0 * glm::distance(at(), p))
@@ -100,6 +107,7 @@ void join_to_end(const LineEnd& end, const NearbyGrid<LineEnd>& grid) {
   grid.near(end.at(), [&](const LineEnd& other) {
     const double distance = glm::distance(other.at(), end.at());
     if (other.line == end.line || distance > nearest) return;
+    if (end.is_behind(other.at())) return;
     if (std::abs(end.piece().curve.distance(other.at())) <= kMaxBeside) nearest = distance, best = other.at();
   });
   if (nearest < kEndReach) end.move_to(best);
@@ -121,8 +129,8 @@ void join_to_side(const LineEnd& end, const NearbyGrid<SidePlace>& grid) {
     const FittedCurve both[] = {end.piece().curve, place.piece->curve};
     const dvec2 p = meeting_point(both, end.at(), kSideReach);
     const double distance = glm::distance(p, end.at());
-    if (distance < nearest && glm::distance(p, place.at) <= 1.0 && std::abs(both[0].distance(p)) < 0.1 &&
-        std::abs(both[1].distance(p)) < 0.1)
+    if (distance < nearest && !end.is_behind(p) && glm::distance(p, place.at) <= 1.0 &&
+        std::abs(both[0].distance(p)) < 0.1 && std::abs(both[1].distance(p)) < 0.1)
       nearest = distance, best = p;
   });
   if (nearest < kSideReach) end.move_to(best);
@@ -138,7 +146,7 @@ void join_ends(std::vector<Line>& lines) {
     for (const bool last : {false, true})
       if (!line.closed) ends.push_back({&line, last});
     for (const SpinePiece& each : line.pieces) {
-      const int steps = std::max(1, int(std::ceil(each.piece.length() / 1.5)));
+      const int steps = std::max(1, int(std::ceil(std::min(each.piece.length(), kMaxSide) / 1.5)));
       for (int k = 0; k <= steps; ++k) {
         const dvec2 at = each.piece.at(double(k) / steps);
         sides.add(at, {&line, &each.piece, at});

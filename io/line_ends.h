@@ -19,8 +19,8 @@ struct Line {
 inline bool is_hatching(StrokeKind kind) { return kind == StrokeKind::kHatch || kind == StrokeKind::kCrossHatch; }
 
 /// Moves ends of lines, but for hatching, to where they meet: ends that are within two pixels of each other; then ends
-/// that would reach another end, or the side of another line, if they were up to six or three pixels longer or
-/// shorter. No end moves by more than 0.75 pixels across its line.
+/// that would reach another end, or the side of another line, if they were up to six or three pixels longer, or a
+/// little shorter. No end moves by more than 0.75 pixels across its line.
 void join_ends(std::vector<Line>& lines);
 
 }  // namespace umbrage

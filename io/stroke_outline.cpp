@@ -12,6 +12,7 @@ using glm::dvec2;
 
 constexpr double kOutlineTolerance = 0.03;  // pixels
 constexpr double kSpineStep = 1.5;          // pixels between the points of a spine
+constexpr double kMaxRibs = 10000.0;        // of a piece
 constexpr double kJoinTurn = 0.1;           // radians: a smaller turn needs no join
 constexpr double kMinRoundEnd = 0.05;       // pixels: a narrower end is pointed
 
@@ -37,7 +38,7 @@ std::vector<Rib> ribs_of(const SpinePieces& pieces) {
   std::vector<Rib> ribs;
   for (const auto& [piece, widths] : pieces) {
     const double length = piece.length(), angle = piece.angle();
-    const int steps = std::max(1, int(std::ceil(length / kSpineStep)));
+    const int steps = std::max(1, int(std::ceil(std::min(length / kSpineStep, kMaxRibs))));
     const double radius = std::abs(angle) < 1e-6 ? 0.0 : length / angle;
     for (int k = 0; k <= steps; ++k) {
       const double f = double(k) / steps;

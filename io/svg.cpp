@@ -167,7 +167,7 @@ const DrawnColor* ink_of(const DrawnLayer& layer) {
 
 /// Returns the attribute of a width or height.
 std::string size_text(float units, float mm_per_unit) {
-  if (mm_per_unit == kMmPerCssPixel) return fmt::format("{:g}px", units);
+  if (std::abs(mm_per_unit - kMmPerCssPixel) < 1e-6f) return fmt::format("{:g}px", units);
   return fmt::format("{:.6g}mm", units * mm_per_unit);
 }
 

@@ -3,6 +3,11 @@
 
 #include <sys/stat.h>
 
+#include <map>
+#include <regex>
+
+#include "io/drawing_of_strokes.h"
+
 #include "run_program.h"
 #include "support.h"
 #include "umbrage/umbrage.hpp"
@@ -124,7 +129,7 @@ TEST_F(SvgTest, HasTheLinesOfEveryLookThatDrawsSome) {
   for (const std::string look : {"cartoon", "hatching", "technical"}) {
     good("scene:solids?detail=2000 --device cpu --resolution 160x120 --look " + look + " -o " + look + ".svg");
     const std::string text = text_of(folder_ / (look + ".svg"));
-    EXPECT_GT(count_of(text, "<path"), 50) << look;
+    EXPECT_GT(count_of(text, "<path"), 15) << look;
     EXPECT_GT(count_of(text, "stroke=\"#000000\""), 0) << look;
     EXPECT_EQ(count_of(text, "class=\"hatch\"") > 0, look == "hatching") << look;
     EXPECT_EQ(count_of(text, "class=\"cross-hatch\"") > 0, look == "hatching") << look;
@@ -132,7 +137,7 @@ TEST_F(SvgTest, HasTheLinesOfEveryLookThatDrawsSome) {
 }
 
 TEST_F(SvgTest, HasHiddenLinesAsDashes) {
-  const std::string command = "scene:solids?detail=2000 --device cpu --resolution 160x120 --look technical";
+  const std::string command = "scene:solids?detail=2000 --device cpu --resolution 320x240 --look technical";
   good(command + " --set hidden.draw=on -o hidden.svg");
   good(command + " --set hidden.draw=on -o both.png --svg both.svg");
   good(command + " -o visible.svg");
@@ -140,7 +145,36 @@ TEST_F(SvgTest, HasHiddenLinesAsDashes) {
   EXPECT_GT(count_of(text, "class=\"hidden\""), 0);
   EXPECT_EQ(text, text_of(folder_ / "both.svg"));
   EXPECT_EQ(count_of(text_of(folder_ / "visible.svg"), "class=\"hidden\""), 0);
-  EXPECT_GT(count_of(text, "<path"), count_of(text_of(folder_ / "visible.svg"), "<path") + 20);
+  // A path per line, not per dash, and the dashes are where the picture has them.
+  EXPECT_GT(count_of(text, "stroke-dasharray"), 10);
+  EXPECT_LT(count_of(text, "<path"), 150);
+  good(command + " --set hidden.draw=on --anti-aliasing 1 --passes outline -o lines.pfm");
+  EXPECT_LE(rmse(drawn("hidden.svg"), image("lines.pfm").planes[0]), 0.1);
+  EXPECT_GT(rmse(drawn("visible.svg"), image("lines.pfm").planes[0]), 0.15);
+}
+
+TEST_F(SvgTest, ACubeHasNinePathsOfTwoPoints) {
+  write_cube();
+  for (const std::string how : {"--look cartoon", "--look technical --camera-orthographic", "--look technical"}) {
+    good("cube.obj --device cpu --resolution 512,512 -o cube.svg " + how);
+    const std::string text = text_of(folder_ / "cube.svg");
+    EXPECT_EQ(count_of(text, "<path"), 9) << how;
+    EXPECT_EQ(count_of(text, "<path stroke-width"), 9) << how;
+    // Each corner is the same point in all edges that meet there.
+    std::map<std::string, int> ends;
+    const std::regex path("d=\"M([-0-9.]+ [-0-9.]+)L([-0-9.]+ [-0-9.]+)\"");
+    for (std::sregex_iterator match(text.begin(), text.end(), path), end; match != end; ++match)
+      ++ends[(*match)[1]], ++ends[(*match)[2]];
+    EXPECT_EQ(ends.size(), 7u) << how << text;
+  }
+}
+
+TEST_F(SvgTest, HasFewPaths) {
+  // Paths at 1024x1024; one path per run of constant width: 10913 and 22310.
+  good("scene:tank --device cpu -o tank.svg");
+  EXPECT_LE(count_of(text_of(folder_ / "tank.svg"), "<path"), 1500);
+  good("scene:solids --device cpu --look hatching -o hatching.svg");
+  EXPECT_LE(count_of(text_of(folder_ / "hatching.svg"), "<path"), 3000);
 }
 
 TEST_F(SvgTest, RefusesWhatCannotBe) {
@@ -155,7 +189,7 @@ TEST_F(SvgTest, RefusesWhatCannotBe) {
   bad(lines + "--look cartoonn", 2, {"'cartoonn'", "did you mean"});
   bad(lines + "--svg more.svg", 2, {"--svg 'more.svg'", "--output 'lines.svg'"});
   bad("nothere.obj -o out.png --svg lines.svg", 2, {"'studio' draws no lines"});
-  bad("nothere.obj -o out.png --look cartoon --svg lines.png", 2, {"--svg", "'lines.png'", ".svg"});
+  bad("nothere.obj -o out.png --look cartoon --svg lines.png", 2, {"--svg", "'lines.png'", ".svg", ".dxf"});
   bad("nothere.obj -o - --look cartoon --svg -", 2, {"--svg", "'-'", ".svg"});
   bad("nothere.obj -o nothere/lines.svg", 3, {"'nothere/lines.svg'", "does not exist"});
   bad("nothere.obj -o out.png --look cartoon --svg nothere/lines.svg", 3, {"'nothere/lines.svg'"});
@@ -255,7 +289,7 @@ TEST_F(SvgTest, HostileArraysGiveAFileOrAnError) {
   }
 }
 
-TEST(Svg, SplitsWhereWidthChanges) {
+TEST(Svg, WritesAPathPerLine) {
   Strokes lines{40,
                 20,
                 {{StrokeKind::kFold, 7, false, {{2, 5, 1}, {20, 5, 1.01f}, {38, 5, 1}}},
@@ -263,18 +297,40 @@ TEST(Svg, SplitsWhereWidthChanges) {
                  {StrokeKind::kFold, 7, false, {{2, 10, 0}, {38, 10, 3}}},
                  {StrokeKind::kCrease, -1, false, {{4, 4, 1}}},
                  {StrokeKind::kCrease, -1, false, {}}}};
-  const std::string text = *svg_text(lines, {});
+  const std::string text = *svg_text(*drawing_of(lines, {}));
+  // The triangle has three sides, the line of varying width an outline with a round end.
   EXPECT_NE(text.find("<g id=\"outline-3\" class=\"outline\" data-object=\"3\">\n"
-                      "<path stroke-width=\"2.00\" d=\"M5.00 5.00L15.00 5.00 15.00 15.00Z\"/>\n</g>\n"
-                      "<g id=\"fold-7\" class=\"fold\" data-object=\"7\">\n"
-                      "<path stroke-width=\"1.00\" d=\"M2.00 5.00L20.00 5.00 38.00 5.00\"/>\n"),
+                      "<path stroke-width=\"2\" d=\"M15 5L15 15\"/>\n"
+                      "<path stroke-width=\"2\" d=\"M15 15L5 5\"/>\n"
+                      "<path stroke-width=\"2\" d=\"M5 5L15 5\"/>\n</g>\n"),
             std::string::npos)
       << text;
-  EXPECT_NE(text.find("d=\"M4.00 4.00L4.00 4.00\"/>"), std::string::npos) << "a dot";
-  EXPECT_GE(count_of(text, "stroke-linecap=\"butt\""), 8);
-  EXPECT_EQ(count_of(text, "nan"), 0);
-  lines.strokes[0].points[1].width = -1.0f;
-  EXPECT_FALSE(svg_text(lines, {}));
+  EXPECT_NE(text.find("<path stroke-width=\"1.005\" d=\"M2 5L38 5\"/>"), std::string::npos) << text;
+  EXPECT_NE(text.find("<path fill=\"#000000\" stroke=\"none\" d=\"M2 10L38 11.5A1.5 1.5 0 0 0 38 8.5L2 10Z\"/>"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("d=\"M4 4L4 4\"/>"), std::string::npos) << "a dot";
+  EXPECT_EQ(count_of(text, "<path"), 6);
+}
+
+TEST(Svg, WritesTextsPicturesAndPhysicalSizes) {
+  Drawing drawing{.width = 30.0f, .height = 20.0f, .mm_per_unit = 0.5f};
+  DrawnLayer layer{.name = "legend \"1\" & <2>"};
+  layer.shapes.emplace_back(
+      DrawnText{.x = 3, .y = 4, .anchor = TextAnchor::kEnd, .upwards = true, .text = "p < 3 & q\x01"});
+  layer.shapes.emplace_back(DrawnImage{1, 2, 3, 4, 2, 1, {255, 0, 0, 255, 0, 0, 255, 128}});
+  drawing.layers = {layer, layer};
+  const std::string text = *svg_text(drawing);
+  EXPECT_NE(text.find("width=\"15mm\" height=\"10mm\" viewBox=\"0 0 30 20\""), std::string::npos) << text;
+  EXPECT_NE(text.find("text-anchor=\"end\" fill=\"#000000\" stroke=\"none\" transform=\"rotate(-90 3 4)\">"
+                      "p &lt; 3 &amp; q</text>"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(count_of(text, "href=\"data:image/png;base64,iVBORw0KGgo"), 2);
+  EXPECT_EQ(count_of(text, "id=\"legend &quot;1&quot; &amp; &lt;2>\""), 1) << "ids differ";
+  layer.shapes.assign({DrawnPath{.x = NAN}});
+  drawing.layers = {layer};
+  EXPECT_FALSE(svg_text(drawing));
 }
 
 }  // namespace

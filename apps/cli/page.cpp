@@ -83,7 +83,7 @@ void add_outline(cairo_t* c, const DrawnPath& path) {
 void draw(cairo_t* c, const DrawnPath& path) {
   cairo_new_path(c);
   add_outline(c, path);
-  cairo_set_fill_rule(c, CAIRO_FILL_RULE_EVEN_ODD);
+  cairo_set_fill_rule(c, CAIRO_FILL_RULE_WINDING);
   if (path.fill) {
     set_color(c, *path.fill);
     cairo_fill_preserve(c);
