@@ -25,15 +25,6 @@ constexpr float kMargin = 2.0f, kGap = 2.2f;          // around the page and bet
 constexpr float kLabel = 1.6f;                        // of the name below a view, in sizes of the font
 constexpr float kBarSpace = 9.0f, kNoteSpace = 2.5f;  // of a colour bar, and of the line with the scale, likewise
 
-/// Moves a shape on its page.
-void move(DrawnPath& path, float x, float y) {
-  path.x += x, path.y += y;
-  for (DrawnSegment& segment : path.segments) segment.x += x, segment.y += y;
-  for (DrawnPath& hole : path.holes) move(hole, x, y);
-}
-void move(DrawnText& text, float x, float y) { text.x += x, text.y += y; }
-void move(DrawnImage& image, float x, float y) { image.x += x, image.y += y; }
-
 /// Sets the extent of the model in a view, relative to the centre of the scene.
 SheetLayout::Cell extent_of(const Scene& scene, const NamedView& view) {
   const glm::vec3 up = view.up, right = glm::cross(up, view.towards_camera), center = scene.center();
@@ -111,47 +102,49 @@ struct Sheet {
   std::vector<DrawnLayer> layers;  ///< of vector graphics
 };
 
-/// Copies the pixels of a view to its cell.
-void copy_to(const Image& view, const SheetLayout::Cell& cell, Image& page) {
-  for (std::size_t k = 0; k < view.planes.size(); ++k)
-    for (int y = 0; y < view.height; ++y)
-      std::copy_n(view.planes[k].row(y), view.width, page.plane(view.names[k]).row(cell.y + y) + cell.x);
+/// Returns the pixels of a cell.
+Image cropped(const Image& page, const SheetLayout::Cell& cell) {
+  Image crop(cell.width, cell.height);
+  for (const std::string& name : page.names) {
+    const Plane& from = page.plane(name);
+    Plane& to = crop.add(name) = Plane(cell.width, cell.height);
+    for (int y = 0; y < cell.height; ++y) std::copy_n(from.row(cell.y + y) + cell.x, cell.width, to.row(y));
+  }
+  return crop;
 }
 
-/// Draws a view and adds it to the sheet. `stops`: exposure of the first view, for all.
+/// Draws a view, in a picture of the page's size, so that widths of lines and other lengths are those of the page, and
+/// adds its cell to the sheet. `stops`: exposure of the first view, for all.
 Result<void> add_view(const RenderOptions& o, const RenderJob& job, Device& device, const Scene& scene,
                       const SheetLayout::Cell& cell, std::optional<float>& stops, Sheet& sheet, StageTimes& times) {
-  Recipe recipe = job.recipe;
-  recipe.width = recipe.capture.width = cell.width, recipe.height = recipe.capture.height = cell.height;
-  const auto plan = make_plan(recipe, scene, device.threads());
+  const auto plan = make_plan(job.recipe, scene, device.threads());
   if (!plan) return plan.error();
   const auto drawn = draw(device, scene, *plan, times, {}, stops);
   if (!drawn) return drawn.error();
   stops = drawn->stops;
-  const auto add = [&](std::vector<DrawnLayer> layers) {
-    for (DrawnLayer& layer : layers) {
-      for (DrawnShape& shape : layer.shapes)
-        std::visit([&](auto& each) { move(each, float(cell.x), float(cell.y)); }, shape);
-      sheet.layers.push_back(std::move(layer));
-    }
-  };
   if (job.lines.alone) {
     const auto traced = traced_strokes(device, drawn->frame, job.lines.params);
     if (!traced) return traced.error();
     auto drawing = drawing_of(*traced, job.lines.style);
     if (!drawing) return drawing.error();
-    add(std::move(drawing->layers));
+    std::move(drawing->layers.begin(), drawing->layers.end(), std::back_inserter(sheet.layers));
     return {};
   }
   const Destination destination{o.output, nullptr, {}};
   const auto names = picture_planes(o, destination);
   const auto image = download_passes(device, drawn->frame, names);
   if (!image) return image.error();
-  const Image shown = convert_for_file(o, destination, *image, names, recipe.settings, drawn->frame.info);
-  if (is_page(o.output))
-    add({{.name = "picture", .object = -1, .opacity = 1.0f, .shapes = {image_of(shown)}}});
-  else
-    copy_to(shown, cell, sheet.picture);
+  const Image shown =
+      cropped(convert_for_file(o, destination, *image, names, job.recipe.settings, drawn->frame.info), cell);
+  if (is_page(o.output)) {
+    DrawnImage pixels = image_of(shown);
+    pixels.x = float(cell.x), pixels.y = float(cell.y);
+    sheet.layers.push_back({.name = "picture", .object = -1, .opacity = 1.0f, .shapes = {std::move(pixels)}});
+    return {};
+  }
+  for (std::size_t k = 0; k < shown.planes.size(); ++k)
+    for (int y = 0; y < cell.height; ++y)
+      std::copy_n(shown.planes[k].row(y), cell.width, sheet.picture.plane(shown.names[k]).row(cell.y + y) + cell.x);
   return {};
 }
 
@@ -339,11 +332,17 @@ Result<void> draw_sheet(const RenderOptions& o, const RenderJob& job, Device& de
     line.show(fmt::format("drawing view {} of {}", k + 1, views.size()), double(k) / double(views.size()));
     const SheetLayout::Cell& cell = layout->cells[k];
     const glm::vec3 up = views[k].up, right = glm::cross(up, views[k].towards_camera);
-    const glm::vec3 target =
-        scene.center() + 0.5f * (cell.left + cell.right) * right + 0.5f * (cell.bottom + cell.top) * up;
-    const float height = float(double(cell.height) / layout->pixels_per_unit);
-    scene.views = {View{
-        .eye = target + 3.0f * scene.radius() * views[k].towards_camera, .target = target, .up = up, .height = height}};
+    // What the centre of the page shows, so that the centre of the model is at that of the cell.
+    const auto units = [&](float pixels) { return float(double(pixels) / layout->pixels_per_unit); };
+    const float x = 0.5f * (cell.left + cell.right) +
+                    units(0.5f * float(settings.width) - float(cell.x) - 0.5f * float(cell.width));
+    const float y = 0.5f * (cell.bottom + cell.top) +
+                    units(float(cell.y) + 0.5f * float(cell.height) - 0.5f * float(settings.height));
+    const glm::vec3 target = scene.center() + x * right + y * up;
+    scene.views = {View{.eye = target + 3.0f * scene.radius() * views[k].towards_camera,
+                        .target = target,
+                        .up = up,
+                        .height = units(float(settings.height))}};
     if (auto added = add_view(o, job, device, scene, cell, stops, sheet, times); !added) return added;
   }
   line.wipe();

@@ -52,7 +52,7 @@ class Sheet : public ProgramTest {
   }
 };
 
-const std::string kRed = "box.obj --look ao --color red --resolution 400x300 --views front,top,right ";
+const std::string kRed = "box.obj --look lit --color red --resolution 400x300 --views front,top,right ";
 
 TEST_F(Sheet, ViewsAreAlignedAtOneScale) {
   for (const bool first_angle : {false, true}) {
@@ -79,7 +79,7 @@ TEST_F(Sheet, ViewsAreAlignedAtOneScale) {
 TEST_F(Sheet, HasAStandardScaleOnPaper) {
   // 4 units of 10 mm at 2:1 are 80 mm, which are 315 pixels at 100 dpi.
   const std::string line =
-      "box.obj --color red --look ao --views front --print-size 120,80 --dpi 100 --length-unit cm -o ";
+      "box.obj --color red --look lit --views front --print-size 120,80 --dpi 100 --length-unit cm -o ";
   good(line + "out.png");
   const auto rows = views_in(image("out.png"));
   ASSERT_EQ(rows.size(), 1u);
