@@ -13,22 +13,26 @@ using glm::dvec2;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kMaxSamples = 20000.0;  // per stroke
-constexpr double kRms = 0.4;            // max distance of the samples of a piece on the root mean square, in tolerances
+constexpr double kRms = 0.25;           // max distance of the samples of a piece on the root mean square, in tolerances
+constexpr double kLongLine = 30.0;      // pixels: at a longer line tracing is corrected more
+constexpr double kLongTolerance = 2.5;  // tolerances within which long lines are one
 constexpr double kCornerSine = 0.3;     // of 17 degrees: pieces that turn more meet at a corner
-constexpr double kMinForward = -0.6;    // cosine of 127 degrees, the max turn of a rounded corner
-constexpr double kCornerExtent = 10.0;  // pixels: shorter pieces between two others may be a rounded corner
-constexpr std::size_t kCornerPieces = 3;   // max number of them
-constexpr double kHook = 2.5;              // pixels: a shorter piece at an end is where the line was joined to another
-constexpr double kCornerReach = 2.5;       // pixels: max distance of a corner from the sample where pieces meet
-constexpr double kMinSharpness = 4.0;      // min ratio of the curvatures of a rounded corner and of its sides
-constexpr double kRounding = 0.5;          // pixels: max distance of a sharp corner from the one that tracing rounded
-constexpr double kStraightRounding = 1.0;  // pixels, the same between straight lines longer than kStraight
-constexpr double kStraight = 20.0;         // pixels
-constexpr std::size_t kTrim = 3;           // samples at a corner that may be rounded
-constexpr std::size_t kMinTrimmed = 12;    // samples: min length of a piece that is not fitted to them
-constexpr double kMinGain = 1.15;          // min ratio of the lengths of an arc and of a line in its place
-constexpr double kMinArc = 3.0;            // pixels by which an arc must be longer, too
-constexpr double kMaxRadius = 1e5;         // pixels
+constexpr double kLongCornerSine = 0.14;    // of 8 degrees, the same between long lines
+constexpr double kMinForward = -0.6;        // cosine of 127 degrees, the max turn of a rounded corner
+constexpr double kCornerExtent = 10.0;      // pixels: shorter pieces between two others may be a rounded corner
+constexpr double kLongCornerExtent = 30.0;  // pixels, the same between long lines
+constexpr std::size_t kCornerPieces = 8;    // max number of them
+constexpr double kHook = 20.0;              // pixels: max length of pieces where a line was joined to another
+constexpr double kCornerReach = 2.5;        // pixels: max distance of a corner from the sample where pieces meet
+constexpr double kMinSharpness = 4.0;       // min ratio of the curvatures of a rounded corner and of its sides
+constexpr double kRounding = 0.3;           // pixels: max distance of a sharp corner from the one that tracing rounded
+constexpr double kLongRounding = 1.0;       // pixels, the same between long lines
+constexpr double kHookOffset = 1.5;         // pixels: max distance from a long line of the hook at its end
+constexpr std::size_t kTrim = 3;            // samples at a corner that may be rounded
+constexpr std::size_t kMinTrimmed = 12;     // samples: min length of a piece that is not fitted to them
+constexpr double kMinGain = 1.15;           // min ratio of the lengths of an arc and of a line in its place
+constexpr double kMinArc = 3.0;             // pixels by which an arc must be longer, too
+constexpr double kMaxRadius = 1e5;          // pixels
 
 double cross(dvec2 a, dvec2 b) { return a.x * b.y - a.y * b.x; }
 dvec2 left_of(dvec2 d) { return {-d.y, d.x}; }
@@ -226,12 +230,19 @@ void fit_again(const Samples& s, CurvePiece& piece, bool corner_before, bool cor
   }
 }
 
-/// Merges neighbours that one line, or one arc if either is one, fits.
-void merge_pieces(const Samples& s, std::vector<CurvePiece>& pieces, double tolerance) {
+bool is_long_line(const Samples& s, const CurvePiece& piece) {
+  return piece.curve.radius == 0.0 && extent(s, piece) > kLongLine;
+}
+
+/// Merges neighbours that one line, or one arc if either is one, fits. If `sharpens`, long lines have a larger
+/// tolerance.
+void merge_pieces(const Samples& s, std::vector<CurvePiece>& pieces, bool sharpens, double tolerance) {
   for (std::size_t k = 0; k + 1 < pieces.size();) {
     CurvePiece &a = pieces[k], &b = pieces[k + 1];
-    const bool has_arc = a.curve.radius > 0.0 || b.curve.radius > 0.0;
-    const auto curve = curve_through(s, {a.first, b.last}, tolerance, has_arc);
+    const FitRange both{a.first, b.last};
+    auto curve = curve_through(s, both, tolerance, a.curve.radius > 0.0 || b.curve.radius > 0.0);
+    if (!curve && sharpens && (is_long_line(s, a) || is_long_line(s, b)))
+      curve = curve_through(s, both, kLongTolerance * tolerance, false);
     if (!curve) {
       ++k;
       continue;
@@ -244,12 +255,12 @@ void merge_pieces(const Samples& s, std::vector<CurvePiece>& pieces, double tole
 /// Returns whether the pieces between two others are a corner between these that tracing has rounded.
 bool is_rounded_corner(const Samples& s, const CurvePiece& a, const CurvePiece& b) {
   const dvec2 near = s[(a.last + b.first) / 2].at;
-  double length = 0.0;
-  for (std::size_t k = a.last; k < b.first; ++k) length += glm::distance(s[k].at, s[k + 1].at);
-  const double shorter = std::min(extent(s, a), extent(s, b));
-  if (length > kCornerExtent || shorter < 1.5 * length) return false;
+  const bool is_long = is_long_line(s, a) && is_long_line(s, b);
+  const double length = extent(s, {.first = a.last, .last = b.first}), shorter = std::min(extent(s, a), extent(s, b));
+  if (length > (is_long ? std::min(kLongCornerExtent, shorter / 3.0) : std::min(kCornerExtent, shorter / 1.5)))
+    return false;
   const double forward = glm::dot(a.curve.direction(near), b.curve.direction(near));
-  if (turn_at(a, b, near) < kCornerSine || forward < kMinForward) return false;
+  if (turn_at(a, b, near) < (is_long ? kLongCornerSine : kCornerSine) || forward < kMinForward) return false;
   const double bend = std::acos(std::clamp(forward, -1.0, 1.0)) / std::max(length, 1.0);  // as a rounded corner
   for (const CurvePiece* side : {&a, &b})
     if (side->curve.radius > 0.0 && side->curve.radius * bend < kMinSharpness) return false;
@@ -260,8 +271,7 @@ bool is_rounded_corner(const Samples& s, const CurvePiece& a, const CurvePiece& 
     nearest = std::min(nearest, glm::distance(s[k].at, corner));
     off = std::max(off, std::min(std::abs(a.curve.distance(s[k].at)), std::abs(b.curve.distance(s[k].at))));
   }
-  const bool straight = a.curve.radius == 0.0 && b.curve.radius == 0.0 && shorter > kStraight;
-  return std::max(nearest, off) < (straight ? kStraightRounding : kRounding);
+  return std::max(nearest, off) < (is_long ? kLongRounding : kRounding);
 }
 
 /// Removes short pieces that are rounded corners.
@@ -276,18 +286,20 @@ void sharpen_corners(const Samples& s, std::vector<CurvePiece>& pieces) {
     }
 }
 
-/// Removes short pieces at the ends of an open polyline where it was joined to another.
-void remove_hooks(const Samples& s, std::vector<CurvePiece>& pieces) {
-  const auto is_hook = [&](const CurvePiece& end, const CurvePiece& next, std::size_t at) {
-    return extent(s, end) < kHook && turn_at(end, next, s[at].at) > kCornerSine;
-  };
-  while (pieces.size() > 1 && is_hook(pieces[0], pieces[1], pieces[0].last)) {
-    pieces[1].first = 0;
-    pieces.erase(pieces.begin());
-  }
-  for (std::size_t n = pieces.size(); n > 1 && is_hook(pieces[n - 1], pieces[n - 2], pieces[n - 1].first); --n) {
-    pieces[n - 2].last = pieces[n - 1].last;
-    pieces.pop_back();
+/// Removes short pieces at one end of an open polyline, beside a long line: there it was joined to another one.
+void remove_hook(const Samples& s, std::vector<CurvePiece>& pieces, bool at_start) {
+  const std::size_t last = s.size() - 1;
+  for (std::size_t n = 1; n <= kCornerPieces && n < pieces.size(); ++n) {
+    CurvePiece& line = at_start ? pieces[n] : pieces[pieces.size() - 1 - n];
+    const CurvePiece hook = at_start ? CurvePiece{.last = line.first} : CurvePiece{.first = line.last, .last = last};
+    double off = 0.0;
+    for (std::size_t k = hook.first; k <= hook.last; ++k) off = std::max(off, std::abs(line.curve.distance(s[k].at)));
+    if (!is_long_line(s, line) || extent(s, hook) > std::min(kHook, extent(s, line) / 3.0) || off > kHookOffset)
+      continue;
+    (at_start ? line.first : line.last) = at_start ? 0 : last;
+    const auto begin = at_start ? pieces.begin() : pieces.end() - std::ptrdiff_t(n);
+    pieces.erase(begin, begin + std::ptrdiff_t(n));
+    return;
   }
 }
 
@@ -317,7 +329,7 @@ dvec2 joint_of(const Samples& s, const CurvePiece& a, const CurvePiece& b) {
   for (std::size_t k = 1; k <= kBeside; ++k)
     for (const std::size_t i : {a.last - std::min(a.last, k), std::min(b.first + k, s.size() - 1)})
       nearest = std::min(nearest, glm::distance(s[i].at, joint));
-  return nearest <= kStraightRounding ? joint : meeting_point(both, near, 0.0);
+  return nearest <= kLongRounding ? joint : meeting_point(both, near, 0.0);
 }
 
 /// Fits all pieces again with their final samples, and computes their ends.
@@ -436,10 +448,14 @@ CurveFit fit_curve(const Stroke& stroke, double tolerance, bool sharpens) {
     rotate_samples(s, (longest_piece.first + longest_piece.last) / 2);
     pieces = greedy_pieces(s, tolerance);
   }
+  merge_pieces(s, pieces, sharpens, tolerance);
   if (sharpens) sharpen_corners(s, pieces);
-  if (sharpens && !closed) remove_hooks(s, pieces);
-  if (has_seam && pieces.size() > 1) rotate_pieces(s, pieces);
-  merge_pieces(s, pieces, tolerance);
+  for (const bool at_start : {true, false})
+    if (sharpens && !closed) remove_hook(s, pieces, at_start);
+  if (has_seam && pieces.size() > 1) {
+    rotate_pieces(s, pieces);
+    merge_pieces(s, pieces, sharpens, tolerance);
+  }
   join_pieces(s, pieces, closed, sharpens, tolerance);
   return fit;
 }

@@ -11,12 +11,13 @@ namespace {
 
 using glm::dvec2;
 
-constexpr double kMeetingReach = 2.0;  // pixels: max distance of ends that meet
+constexpr double kMeetingReach = 1.5;  // pixels: max distance of ends that meet
 constexpr double kEndReach = 6.0;      // pixels by which a line may become longer or shorter to meet an end
-constexpr double kSideReach = 3.0;     // pixels, likewise to meet the side of another
+constexpr double kSideReach = 1.5;     // pixels, likewise to meet the side of another
 constexpr double kMaxShorter = 1.0;    // pixels by which a line may become shorter to meet an end
 constexpr double kMaxSide = 10000.0;   // pixels: length of a line that others are joined to all along
-constexpr double kMaxBeside = 0.75;    // pixels: by which an end may move across its line
+constexpr double kMinBeside = 0.2;     // pixels: by which an end of any line may move across it
+constexpr double kMaxBeside = 0.75;    // pixels, the same for a line that is a hundred times as long
 
 /// Things near a position.
 template <class Thing>
@@ -53,6 +54,8 @@ struct LineEnd {
   dvec2& at() const { return last ? piece().to : piece().from; }
   bool& joined() const { return line->joined[std::size_t(last)]; }
 
+  double max_beside() const { return std::clamp(0.01 * piece().length(), kMinBeside, kMaxBeside); }
+
   /// Returns whether the line would become much shorter if it ended there.
   bool is_behind(dvec2 p) const {
     const dvec2 outward = last ? piece().direction_at(1) : -piece().direction_at(0);
@@ -60,7 +63,7 @@ struct LineEnd {
   }
   /// Moves the end, unless that would move it across its line, or turn a line around that is as short.
   bool move_to(dvec2 p) const {
-    if (std::abs(piece().curve.distance(p)) > kMaxBeside || piece().length() < 2.0 * glm::distance(at(), p))
+    if (std::abs(piece().curve.distance(p)) > max_beside() || piece().length() < 2.0 * glm::distance(at(), p))
       return false;
     at() = p;
     joined() = true;
@@ -108,7 +111,7 @@ void join_to_end(const LineEnd& end, const NearbyGrid<LineEnd>& grid) {
     const double distance = glm::distance(other.at(), end.at());
     if (other.line == end.line || distance > nearest) return;
     if (end.is_behind(other.at())) return;
-    if (std::abs(end.piece().curve.distance(other.at())) <= kMaxBeside) nearest = distance, best = other.at();
+    if (std::abs(end.piece().curve.distance(other.at())) <= end.max_beside()) nearest = distance, best = other.at();
   });
   if (nearest < kEndReach) end.move_to(best);
 }
