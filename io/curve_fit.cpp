@@ -13,8 +13,8 @@ using glm::dvec2;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kMaxSamples = 20000.0;  // per stroke
-constexpr double kRms = 0.25;           // max distance of the samples of a piece on the root mean square, in tolerances
-constexpr double kLongLine = 30.0;      // pixels: at a longer line tracing is corrected more
+constexpr double kRms = 0.2;            // max distance of the samples of a piece on the root mean square, in tolerances
+constexpr double kLongLine = 40.0;      // pixels: at a longer line tracing is corrected more
 constexpr double kLongTolerance = 2.5;  // tolerances within which long lines are one
 constexpr double kCornerSine = 0.3;     // of 17 degrees: pieces that turn more meet at a corner
 constexpr double kLongCornerSine = 0.14;    // of 8 degrees, the same between long lines

@@ -23,7 +23,7 @@ constexpr double kMinStraightCosine = 0.99;  // of 8 degrees, the same between s
 constexpr double kMinStraight = 20.0;        // pixels
 constexpr double kMinDivided = 8.0;          // pixels: min length of both sides of a corner where a line is divided
 constexpr double kCovered = 20.0;            // pixels: length of the end of a line that others cover
-constexpr float kMaxNarrower = 1.5f;         // pixels by which it may be narrower there
+constexpr float kMaxNarrower = 2.0f;         // pixels by which it may be narrower there
 constexpr float kMinWidth = 0.005f;          // pixels: thinner lines are left out
 constexpr float kMaxMagnitude = 1e9f;        // pixels: limit of coordinates and widths
 

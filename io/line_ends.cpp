@@ -12,12 +12,12 @@ namespace {
 using glm::dvec2;
 
 constexpr double kMeetingReach = 1.5;  // pixels: max distance of ends that meet
-constexpr double kEndReach = 6.0;      // pixels by which a line may become longer or shorter to meet an end
+constexpr double kEndReach = 4.0;      // pixels by which a line may become longer or shorter to meet an end
 constexpr double kSideReach = 1.5;     // pixels, likewise to meet the side of another
 constexpr double kMaxShorter = 1.0;    // pixels by which a line may become shorter to meet an end
 constexpr double kMaxSide = 10000.0;   // pixels: length of a line that others are joined to all along
 constexpr double kMinBeside = 0.2;     // pixels: by which an end of any line may move across it
-constexpr double kMaxBeside = 0.75;    // pixels, the same for a line that is a hundred times as long
+constexpr double kMaxBeside = 0.5;     // pixels, the same for a line that is a hundred times as long
 
 /// Things near a position.
 template <class Thing>

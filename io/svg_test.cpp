@@ -28,7 +28,10 @@ class SvgTest : public test::ProgramTest {
     const std::string line = fmt::format("cd {} && rsvg-convert --background-color=white {} -o {}",
                                          test::quoted(folder_.string()), test::quoted(svg), test::quoted(png));
     EXPECT_EQ(std::system(line.c_str()), 0) << line << ": scripts/setup installs librsvg2-bin";
-    Plane plane = image(png).plane("color.g");
+    return inverse(image(png).plane("color.g"));
+  }
+
+  static Plane inverse(Plane plane) {
     for (int y = 0; y < plane.height; ++y)
       for (int x = 0; x < plane.width; ++x) plane.at(x, y) = 1.0f - plane.at(x, y);
     return plane;
@@ -169,8 +172,17 @@ TEST_F(SvgTest, ACubeHasNinePathsOfTwoPoints) {
   }
 }
 
+TEST_F(SvgTest, HoldsThePictureOfALookWithoutLines) {
+  good("tri.obj --device cpu --resolution 32x24 --look studio -o studio.svg");
+  const std::string text = text_of(folder_ / "studio.svg");
+  EXPECT_EQ(count_of(text, "<image "), 1);
+  EXPECT_EQ(count_of(text, "<path"), 0);
+  good("tri.obj --device cpu --resolution 32x24 --look studio -o studio.png");
+  EXPECT_LE(rmse(drawn("studio.svg"), inverse(image("studio.png").plane("color.g"))), 0.005);
+}
+
 TEST_F(SvgTest, HasFewPaths) {
-  // Paths at 1024x1024; one path per run of constant width: 10913 and 22310.
+  // Paths at 1024x1024. With one path per run of constant width the tank had 10913.
   good("scene:tank --device cpu -o tank.svg");
   EXPECT_LE(count_of(text_of(folder_ / "tank.svg"), "<path"), 1500);
   good("scene:solids --device cpu --look hatching -o hatching.svg");
@@ -183,12 +195,11 @@ TEST_F(SvgTest, RefusesWhatCannotBe) {
   bad(lines + "--bits 16", 2, {"--bits", ".svg"});
   bad(lines + "--half", 2, {"--half", ".svg"});
   bad(lines + "--passes depth", 2, {"--passes depth", "'lines.svg'", ".exr"});
-  bad(lines + "--look studio", 2, {"'studio' draws no lines", "cartoon", "technical"});
   bad(lines + "--look cartoon-paper", 2, {"outline.mode=paper", "robust"});
   bad(lines + "--set outline.opacity=0", 2, {"outline.opacity=0"});
   bad(lines + "--look cartoonn", 2, {"'cartoonn'", "did you mean"});
   bad(lines + "--svg more.svg", 2, {"--svg 'more.svg'", "--output 'lines.svg'"});
-  bad("nothere.obj -o out.png --svg lines.svg", 2, {"'studio' draws no lines"});
+  bad("nothere.obj -o out.png --svg lines.svg", 2, {"'studio' draws no lines", "cartoon", "technical"});
   bad("nothere.obj -o out.png --look cartoon --svg lines.png", 2, {"--svg", "'lines.png'", ".svg", ".dxf"});
   bad("nothere.obj -o - --look cartoon --svg -", 2, {"--svg", "'-'", ".svg"});
   bad("nothere.obj -o nothere/lines.svg", 3, {"'nothere/lines.svg'", "does not exist"});
