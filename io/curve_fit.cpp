@@ -1,6 +1,7 @@
 #include "io/curve_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -15,7 +16,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kMaxSamples = 20000.0;  // per stroke
 constexpr double kRms = 0.2;            // max distance of the samples of a piece on the root mean square, in tolerances
 constexpr double kLongLine = 40.0;      // pixels: at a longer line tracing is corrected more
-constexpr double kLongTolerance = 2.5;  // tolerances within which long lines are one
+constexpr double kLongTolerance = 2.5;  // tolerances within which long lines and circles are one
 constexpr double kCornerSine = 0.3;     // of 17 degrees: pieces that turn more meet at a corner
 constexpr double kLongCornerSine = 0.14;    // of 8 degrees, the same between long lines
 constexpr double kMinForward = -0.6;        // cosine of 127 degrees, the max turn of a rounded corner
@@ -132,11 +133,16 @@ std::optional<FittedCurve> circle_through(const Samples& s, FitRange range) {
 
 /// Returns whether samples are near a curve and run along it in one direction, a circle at most once.
 bool fits_samples(const FittedCurve& c, const Samples& s, FitRange range, double tolerance) {
-  double squares = 0.0, forward = 0.0, back = 0.0;
+  constexpr std::size_t kNoise = 2;  // samples: shorter waves are noise, longer ones are bends that the curve lacks
+  std::array<double, kNoise> recent{};
+  double squares = 0.0, forward = 0.0, back = 0.0, sum = 0.0;
   for (std::size_t k = range.first; k <= range.last; ++k) {
     const double off = c.distance(s[k].at);
     if (!(std::abs(off) <= tolerance)) return false;
-    squares += off * off;
+    const std::size_t count = k - range.first;
+    sum += off - recent[count % kNoise];
+    recent[count % kNoise] = off;
+    squares += std::pow(sum / double(std::min(count + 1, kNoise)), 2.0);
     if (k == range.first) continue;
     const double step = glm::dot(s[k].at - s[k - 1].at, c.direction(0.5 * (s[k].at + s[k - 1].at)));
     (step < 0.0 ? back : forward) += std::abs(step);
@@ -212,7 +218,7 @@ void move_break(const Samples& s, CurvePiece& a, CurvePiece& b) {
   for (std::size_t k = from + 1; k <= to; ++k) {
     const double of_a = a.curve.distance(s[k].at), of_b = b.curve.distance(s[k].at);
     cost += of_a * of_a - of_b * of_b;
-    if (cost < best) best = cost, at = k;
+    if (cost < best + 1e-9) best = cost, at = k;  // the break is a sample of both
   }
   a.last = b.first = at;
 }
@@ -310,14 +316,34 @@ void rotate_samples(Samples& s, std::size_t by) {
   s.push_back(s.front());
 }
 
-/// Makes the end of the first piece of a closed polyline its start: it may be a corner, and the piece itself may be
-/// the rest of the last one.
-void rotate_pieces(Samples& s, std::vector<CurvePiece>& pieces) {
-  const std::size_t by = pieces[0].last, count = s.size() - 1;
+/// Returns the pieces of a polyline, with sharp corners but at its ends.
+std::vector<CurvePiece> open_pieces(const Samples& s, bool sharpens, double tolerance) {
+  std::vector<CurvePiece> pieces = greedy_pieces(s, tolerance);
+  merge_pieces(s, pieces, sharpens, tolerance);
+  if (sharpens) sharpen_corners(s, pieces);
+  return pieces;
+}
+
+/// Returns the pieces of a closed polyline, whose start it moves to a corner beside the longest piece. Returns no
+/// pieces if it has no corners.
+std::vector<CurvePiece> closed_pieces(Samples& s, bool sharpens, double tolerance) {
+  const auto count_of = [](const CurvePiece& piece) { return piece.last - piece.first; };
+  std::vector<CurvePiece> pieces = greedy_pieces(s, tolerance);
+  const auto longest_piece = std::max_element(pieces.begin(), pieces.end(),
+                                              [&](const auto& a, const auto& b) { return count_of(a) < count_of(b); });
+  rotate_samples(s, longest_piece->first);
+  // The longest piece twice: first and last, so that all corners lie between whole pieces.
+  const std::size_t count = s.size() - 1;
+  Samples twice = s;
+  twice.insert(twice.end(), s.begin() + 1, s.begin() + 1 + std::ptrdiff_t(count_of(*longest_piece)));
+  pieces = open_pieces(twice, sharpens, tolerance);
+  const std::size_t by = pieces[0].last;
+  if (pieces.size() < 3 || by >= count || pieces.back().first >= count + by) return {};
+  pieces.erase(pieces.begin());
   rotate_samples(s, by);
   for (CurvePiece& piece : pieces) piece.first -= by, piece.last -= by;
-  pieces[0].first = count - by, pieces[0].last = count;
-  std::rotate(pieces.begin(), pieces.begin() + 1, pieces.end());
+  pieces.back().last = count;
+  return pieces;
 }
 
 /// Returns where two pieces meet: not far from the samples, which corners may be when they are acute.
@@ -351,11 +377,11 @@ void join_pieces(const Samples& s, std::vector<CurvePiece>& pieces, bool closed,
     if (piece.curve.radius > 0.0 && piece.length() > 1.5 * extent(s, piece) + 1.0) piece.make_straight();
 }
 
-/// Returns the two halves of a circle, if the samples are one.
-std::vector<CurvePiece> circle_pieces(const Samples& s, double tolerance) {
+/// Returns the two halves of a circle, if the samples are one. If `sharpens`, the tolerance is larger.
+std::vector<CurvePiece> circle_pieces(const Samples& s, bool sharpens, double tolerance) {
   const std::size_t last = s.size() - 1, half = last / 2;
   const auto circle = circle_through(s, {0, last});
-  if (!circle || !fits_samples(*circle, s, {0, last}, tolerance)) return {};
+  if (!circle || !fits_samples(*circle, s, {0, last}, sharpens ? kLongTolerance * tolerance : tolerance)) return {};
   const dvec2 from = meeting_point({&*circle, 1}, s[0].at, kCornerReach), to = 2.0 * circle->center - from;
   return {{*circle, 0, half, from, to}, {*circle, half, last, to, from}};
 }
@@ -437,25 +463,12 @@ CurveFit fit_curve(const Stroke& stroke, double tolerance, bool sharpens) {
   std::vector<CurvePiece>& pieces = fit.pieces;
   if (s.size() < 2) return fit;
   const bool closed = stroke.closed && s.size() > 3;
-  if (closed) pieces = circle_pieces(s, tolerance);
+  if (closed) pieces = circle_pieces(s, sharpens, tolerance);
   if (!pieces.empty()) return fit;
-  pieces = greedy_pieces(s, tolerance);
-  const bool has_seam = closed && pieces.size() > 1;
-  if (has_seam) {  // corners are only found away from the ends
-    const auto count = [](const CurvePiece& piece) { return piece.last - piece.first; };
-    const auto shorter = [&](const CurvePiece& a, const CurvePiece& b) { return count(a) < count(b); };
-    const CurvePiece longest_piece = *std::max_element(pieces.begin(), pieces.end(), shorter);
-    rotate_samples(s, (longest_piece.first + longest_piece.last) / 2);
-    pieces = greedy_pieces(s, tolerance);
-  }
-  merge_pieces(s, pieces, sharpens, tolerance);
-  if (sharpens) sharpen_corners(s, pieces);
+  pieces = closed ? closed_pieces(s, sharpens, tolerance) : std::vector<CurvePiece>();
+  if (pieces.empty()) pieces = open_pieces(s, sharpens, tolerance);
   for (const bool at_start : {true, false})
     if (sharpens && !closed) remove_hook(s, pieces, at_start);
-  if (has_seam && pieces.size() > 1) {
-    rotate_pieces(s, pieces);
-    merge_pieces(s, pieces, sharpens, tolerance);
-  }
   join_pieces(s, pieces, closed, sharpens, tolerance);
   return fit;
 }

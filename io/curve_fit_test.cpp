@@ -57,7 +57,7 @@ TEST(CurveFit, AStraightLineIsOnePiece) {
 }
 
 TEST(CurveFit, ACircleHasTwoHalvesAndAnArcOne) {
-  for (const double radius : {4.0, 60.0, 2000.0}) {
+  for (const double radius : {4.0, 60.0, 400.0}) {
     const CurveFit circle = fit_curve(stroke_of(ellipse(radius, radius, 0.3, 0.3 + 2 * kPi), true), 0.1, true);
     ASSERT_EQ(circle.pieces.size(), 2u) << radius;
     for (const CurvePiece& piece : circle.pieces) {
@@ -76,8 +76,8 @@ TEST(CurveFit, ACircleHasTwoHalvesAndAnArcOne) {
 TEST(CurveFit, AnEllipseIsAFewArcsNearIt) {
   for (const bool closed : {false, true}) {
     const CurveFit fit = fit_curve(stroke_of(ellipse(180.0, 60.0, 0.0, closed ? 2 * kPi : 3.0), closed), 0.1, false);
-    EXPECT_LE(fit.pieces.size(), closed ? 12u : 6u);
-    EXPECT_LE(deviation_of(fit), 0.45);  // three tolerances, and the distance between the points that are compared
+    EXPECT_LE(fit.pieces.size(), closed ? 20u : 10u);
+    EXPECT_LE(deviation_of(fit), 0.25);  // the tolerance, and the distance between the points that are compared
     for (std::size_t k = 1; k < fit.pieces.size(); ++k) EXPECT_EQ(fit.pieces[k].from, fit.pieces[k - 1].to);
     if (closed) {
       EXPECT_EQ(fit.pieces.front().from, fit.pieces.back().to);
@@ -179,7 +179,7 @@ TEST(DrawingOfStrokes, AVaryingLineIsOneOutlineOfItsArea) {
 TEST(DrawingOfStrokes, LinesAreDividedAtCornersAndMeet) {
   // An L, and lines that end a pixel before and beside its corner.
   const std::vector<Stroke> strokes = {stroke_of({{10, 80}, {10, 20}, {90, 20}}), stroke_of({{60, 90}, {10.6, 20.9}}),
-                                       stroke_of({{50, 80}, {50.1, 22}})};
+                                       stroke_of({{50, 80}, {50.1, 21.2}})};
   const auto drawing = drawing_of({100, 100, strokes}, {});
   ASSERT_TRUE(drawing);
   ASSERT_EQ(drawing->layers[0].shapes.size(), 4u);
