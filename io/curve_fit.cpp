@@ -31,6 +31,7 @@ constexpr double kLongRounding = 1.0;       // pixels, the same between long lin
 constexpr double kHookOffset = 1.5;         // pixels: max distance from a long line of the hook at its end
 constexpr std::size_t kTrim = 3;            // samples at a corner that may be rounded
 constexpr std::size_t kMinTrimmed = 12;     // samples: min length of a piece that is not fitted to them
+constexpr double kMaxBack = 0.5;            // pixels that samples may run back along their curve
 constexpr double kMinGain = 1.15;           // min ratio of the lengths of an arc and of a line in its place
 constexpr double kMinArc = 3.0;             // pixels by which an arc must be longer, too
 constexpr double kMaxRadius = 1e5;          // pixels
@@ -147,8 +148,8 @@ bool fits_samples(const FittedCurve& c, const Samples& s, FitRange range, double
     const double step = glm::dot(s[k].at - s[k - 1].at, c.direction(0.5 * (s[k].at + s[k - 1].at)));
     (step < 0.0 ? back : forward) += std::abs(step);
   }
-  return squares <= std::pow(kRms * tolerance, 2.0) * double(range.last - range.first + 1) && back <= 0.02 * forward &&
-         (c.radius == 0.0 || forward < 2.0 * kPi * c.radius + 1.0);
+  return squares <= std::pow(kRms * tolerance, 2.0) * double(range.last - range.first + 1) &&
+         back <= std::min(0.02 * forward, kMaxBack) && (c.radius == 0.0 || forward < 2.0 * kPi * c.radius + 1.0);
 }
 
 /// Returns the line, or else the circle if `or_arc`, that samples are near.
@@ -272,6 +273,12 @@ bool is_rounded_corner(const Samples& s, const CurvePiece& a, const CurvePiece& 
     if (side->curve.radius > 0.0 && side->curve.radius * bend < kMinSharpness) return false;
   const FittedCurve both[] = {a.curve, b.curve};
   const dvec2 corner = meeting_point(both, near, kCornerReach);
+  // A rounded corner is shorter than a sharp one, and does not turn back.
+  constexpr double kSlack = 0.5;  // pixels
+  const dvec2 to = corner - s[a.last].at, from = s[b.first].at - corner;
+  if (length > glm::length(to) + glm::length(from) + kSlack || glm::dot(to, a.curve.direction(near)) < -kSlack ||
+      glm::dot(from, b.curve.direction(near)) < -kSlack)
+    return false;
   double nearest = kCornerReach, off = 0.0;
   for (std::size_t k = a.last; k <= b.first; ++k) {
     nearest = std::min(nearest, glm::distance(s[k].at, corner));
@@ -327,22 +334,22 @@ std::vector<CurvePiece> open_pieces(const Samples& s, bool sharpens, double tole
 /// Returns the pieces of a closed polyline, whose start it moves to a corner beside the longest piece. Returns no
 /// pieces if it has no corners.
 std::vector<CurvePiece> closed_pieces(Samples& s, bool sharpens, double tolerance) {
-  const auto count_of = [](const CurvePiece& piece) { return piece.last - piece.first; };
   std::vector<CurvePiece> pieces = greedy_pieces(s, tolerance);
-  const auto longest_piece = std::max_element(pieces.begin(), pieces.end(),
-                                              [&](const auto& a, const auto& b) { return count_of(a) < count_of(b); });
+  const auto shorter = [](const auto& a, const auto& b) { return a.last - a.first < b.last - b.first; };
+  const auto longest_piece = std::max_element(pieces.begin(), pieces.end(), shorter);
   rotate_samples(s, longest_piece->first);
-  // The longest piece twice: first and last, so that all corners lie between whole pieces.
+  // Twice around, so that all corners lie between whole pieces: from the end of the first one to where it ends again.
   const std::size_t count = s.size() - 1;
   Samples twice = s;
-  twice.insert(twice.end(), s.begin() + 1, s.begin() + 1 + std::ptrdiff_t(count_of(*longest_piece)));
+  twice.insert(twice.end(), s.begin() + 1, s.end());
   pieces = open_pieces(twice, sharpens, tolerance);
   const std::size_t by = pieces[0].last;
-  if (pieces.size() < 3 || by >= count || pieces.back().first >= count + by) return {};
+  if (by >= count) return {};
   pieces.erase(pieces.begin());
+  while (pieces.back().first >= count + by) pieces.pop_back();
+  pieces.back().last = count + by;
   rotate_samples(s, by);
   for (CurvePiece& piece : pieces) piece.first -= by, piece.last -= by;
-  pieces.back().last = count;
   return pieces;
 }
 

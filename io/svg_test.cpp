@@ -311,9 +311,9 @@ TEST(Svg, WritesAPathPerLine) {
   const std::string text = *svg_text(*drawing_of(lines, {}));
   // The triangle has three sides, the line of varying width an outline with a round end.
   EXPECT_NE(text.find("<g id=\"outline-3\" class=\"outline\" data-object=\"3\">\n"
+                      "<path stroke-width=\"2\" d=\"M5 5L15 5\"/>\n"
                       "<path stroke-width=\"2\" d=\"M15 5L15 15\"/>\n"
-                      "<path stroke-width=\"2\" d=\"M15 15L5 5\"/>\n"
-                      "<path stroke-width=\"2\" d=\"M5 5L15 5\"/>\n</g>\n"),
+                      "<path stroke-width=\"2\" d=\"M15 15L5 5\"/>\n</g>\n"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("<path stroke-width=\"1.005\" d=\"M2 5L38 5\"/>"), std::string::npos) << text;
