@@ -16,7 +16,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kMaxSamples = 20000.0;  // per stroke
 constexpr double kRms = 0.2;            // max distance of the samples of a piece on the root mean square, in tolerances
 constexpr double kLongLine = 40.0;      // pixels: at a longer line tracing is corrected more
-constexpr double kLongTolerance = 3.0;  // tolerances within which long lines and circles are one
+constexpr double kLongTolerance = 4.0;  // tolerances within which long lines and circles are one
+constexpr double kStraightArc = 100.0;  // pixels: a longer arc is a line if it is as near as those
 constexpr double kCornerSine = 0.3;     // of 17 degrees: pieces that turn more meet at a corner
 constexpr double kLongCornerSine = 0.14;    // of 8 degrees, the same between long lines
 constexpr double kMinForward = -0.6;        // cosine of 127 degrees, the max turn of a rounded corner
@@ -327,7 +328,12 @@ void rotate_samples(Samples& s, std::size_t by) {
 std::vector<CurvePiece> open_pieces(const Samples& s, bool sharpens, double tolerance) {
   std::vector<CurvePiece> pieces = greedy_pieces(s, tolerance);
   merge_pieces(s, pieces, sharpens, tolerance);
-  if (sharpens) sharpen_corners(s, pieces);
+  if (!sharpens) return pieces;
+  for (CurvePiece& piece : pieces)
+    if (extent(s, piece) > kStraightArc)
+      piece.curve =
+          curve_through(s, {piece.first, piece.last}, kLongTolerance * tolerance, false).value_or(piece.curve);
+  sharpen_corners(s, pieces);
   return pieces;
 }
 

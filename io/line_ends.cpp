@@ -12,7 +12,7 @@ namespace {
 using glm::dvec2;
 
 constexpr double kMeetingReach = 1.5;  // pixels: max distance of ends that meet
-constexpr double kEndReach = 4.0;      // pixels by which a line may become longer or shorter to meet an end
+constexpr double kEndReach = 5.0;      // pixels by which a line may become longer or shorter to meet an end
 constexpr double kSideReach = 1.5;     // pixels, likewise to meet the side of another
 constexpr double kMaxShorter = 1.0;    // pixels by which a line may become shorter to meet an end
 constexpr double kMaxSide = 10000.0;   // pixels: length of a line that others are joined to all along
