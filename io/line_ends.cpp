@@ -12,7 +12,8 @@ namespace {
 using glm::dvec2;
 
 constexpr double kMeetingReach = 1.5;  // pixels: max distance of ends that meet
-constexpr double kEndReach = 5.0;      // pixels by which a line may become longer or shorter to meet an end
+constexpr double kEndReach = 4.0;      // pixels by which a line may become longer or shorter to meet an end
+constexpr double kHiddenReach = 6.0;   // pixels, the same for a hidden line: visible ones cover its ends
 constexpr double kSideReach = 1.5;     // pixels, likewise to meet the side of another
 constexpr double kMaxShorter = 1.0;    // pixels by which a line may become shorter to meet an end
 constexpr double kMaxSide = 10000.0;   // pixels: length of a line that others are joined to all along
@@ -106,14 +107,15 @@ void join_groups(const std::vector<LineEnd>& ends) {
 /// Joins an end to the nearest end of another line that it would reach.
 void join_to_end(const LineEnd& end, const NearbyGrid<LineEnd>& grid) {
   dvec2 best(0.0);
-  double nearest = kEndReach;
+  const double reach = end.line->stroke->kind == StrokeKind::kHidden ? kHiddenReach : kEndReach;
+  double nearest = reach;
   grid.near(end.at(), [&](const LineEnd& other) {
     const double distance = glm::distance(other.at(), end.at());
     if (other.line == end.line || distance > nearest) return;
     if (end.is_behind(other.at())) return;
     if (std::abs(end.piece().curve.distance(other.at())) <= end.max_beside()) nearest = distance, best = other.at();
   });
-  if (nearest < kEndReach) end.move_to(best);
+  if (nearest < reach) end.move_to(best);
 }
 
 /// A place on the side of a line.
@@ -157,7 +159,7 @@ void join_ends(std::vector<Line>& lines) {
     }
   }
   join_groups(ends);
-  NearbyGrid<LineEnd> others(kEndReach);
+  NearbyGrid<LineEnd> others(kHiddenReach);
   for (const LineEnd& end : ends) others.add(end.at(), end);
   for (const LineEnd& end : ends)
     if (!end.joined()) join_to_end(end, others);
