@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include <map>
-#include <numeric>
 #include <regex>
 
 #include "io/drawing_of_strokes.h"
@@ -158,7 +157,12 @@ TEST_F(SvgTest, HasHiddenLinesAsDashes) {
   // Dashes cover as much as in the picture; neither none nor solid lines do.
   write("solid.svg", std::regex_replace(text, std::regex(" stroke-dasharray=\"[^\"]*\""), ""));
   good(command + " --set hidden.draw=on --anti-aliasing 1 --passes outline -o lines.pfm");
-  const auto covered = [](const Plane& plane) { return std::accumulate(plane.v.begin(), plane.v.end(), 0.0); };
+  const auto covered = [](const Plane& plane) {
+    double sum = 0.0;
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) sum += plane.at(x, y);
+    return sum;
+  };
   const double none = covered(drawn("visible.svg")), whole = covered(drawn("solid.svg"));
   const double expected = (covered(image("lines.pfm").planes[0]) - none) / (whole - none);
   EXPECT_NEAR((covered(drawn("hidden.svg")) - none) / (whole - none), expected, 0.1);
