@@ -99,9 +99,10 @@ void warn_of_pictures(const std::string& file, const Drawing& page) {
   const auto is_image = [](const DrawnShape& shape) { return std::holds_alternative<DrawnImage>(shape); };
   for (const DrawnLayer& layer : page.layers)
     if (is_dxf(file) && std::any_of(layer.shapes.begin(), layer.shapes.end(), is_image))
-      print_warning(fmt::format("'{}' leaves out the colours of '{}': .dxf files hold lines and texts, .svg and .pdf "
-                                "files also pictures",
-                                file, layer.name));
+      print_warning(
+          fmt::format("'{}' leaves out the colours of '{}': .dxf files hold lines and texts, .svg and .pdf "
+                      "files also pictures",
+                      file, layer.name));
 }
 
 void print_line_notes(const LineFile& lines, const Camera& camera) {
