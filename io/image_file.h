@@ -19,7 +19,7 @@ struct WriteSettings {
   int bits = 8;        ///< PNG: bits per value, 8 or 16
   bool half = false;   ///< EXR: half instead of float
   bool small = false;  ///< PNG: smallest file instead of fastest writing
-  double dpi = 0.0;    ///< PNG and JPEG: pixels per inch on paper; 0: not told
+  double dpi = 0.0;    ///< PNG and JPEG: pixels per inch on paper; 0: not written
   int quality = 90;    ///< JPEG and WebP: 1 to 100; WebP of 100 is lossless
   /// EXR: planes whose floats hold the bits of integers, written as integers.
   std::vector<std::string> integer_planes = {};
