@@ -57,7 +57,7 @@ TEST(CurveFit, AStraightLineIsOnePiece) {
 }
 
 TEST(CurveFit, ACircleHasTwoHalvesAndAnArcOne) {
-  for (const double radius : {4.0, 60.0, 2000.0}) {
+  for (const double radius : {4.0, 60.0, 400.0}) {
     const CurveFit circle = fit_curve(stroke_of(ellipse(radius, radius, 0.3, 0.3 + 2 * kPi), true), 0.1, true);
     ASSERT_EQ(circle.pieces.size(), 2u) << radius;
     for (const CurvePiece& piece : circle.pieces) {
@@ -76,8 +76,8 @@ TEST(CurveFit, ACircleHasTwoHalvesAndAnArcOne) {
 TEST(CurveFit, AnEllipseIsAFewArcsNearIt) {
   for (const bool closed : {false, true}) {
     const CurveFit fit = fit_curve(stroke_of(ellipse(180.0, 60.0, 0.0, closed ? 2 * kPi : 3.0), closed), 0.1, false);
-    EXPECT_LE(fit.pieces.size(), closed ? 12u : 6u);
-    EXPECT_LE(deviation_of(fit), 0.45);  // three tolerances, and the distance between the points that are compared
+    EXPECT_LE(fit.pieces.size(), closed ? 22u : 12u);
+    EXPECT_LE(deviation_of(fit), 0.25);  // the tolerance, and the distance between the points that are compared
     for (std::size_t k = 1; k < fit.pieces.size(); ++k) EXPECT_EQ(fit.pieces[k].from, fit.pieces[k - 1].to);
     if (closed) {
       EXPECT_EQ(fit.pieces.front().from, fit.pieces.back().to);
@@ -86,9 +86,9 @@ TEST(CurveFit, AnEllipseIsAFewArcsNearIt) {
 }
 
 TEST(CurveFit, CornersThatTracingRoundedAreSharp) {
-  // A square, rounded by arcs of radius 1.2 as tracing does. It starts on a side.
+  // A square, rounded by arcs of radius 1.2 as tracing does, from all starts: on sides, and in corners.
   const double corners[][2] = {{80, 20}, {80, 80}, {20, 80}, {20, 20}};
-  for (const std::size_t start : {std::size_t(12), std::size_t(30)}) {
+  for (std::size_t start = 0; start < 100; ++start) {
     Positions at;
     for (int c = 0; c < 4; ++c)
       for (int k = 0; k <= 6; ++k) {
@@ -132,7 +132,7 @@ TEST(CurveFit, AnyPolylineIsFollowed) {
     if (closed) at.push_back(at.front());
     const CurveFit fit = fit_curve(stroke_of(at, closed), 0.1, false);
     if (fit.pieces.empty()) continue;
-    EXPECT_LE(deviation_of(fit), 2.5) << seed;  // the reach of a joint: jagged lines have many
+    EXPECT_LE(deviation_of(fit), 1.0) << seed;
     for (std::size_t k = 1; k < fit.pieces.size(); ++k) EXPECT_EQ(fit.pieces[k].from, fit.pieces[k - 1].to) << seed;
   }
 }
@@ -179,7 +179,7 @@ TEST(DrawingOfStrokes, AVaryingLineIsOneOutlineOfItsArea) {
 TEST(DrawingOfStrokes, LinesAreDividedAtCornersAndMeet) {
   // An L, and lines that end a pixel before and beside its corner.
   const std::vector<Stroke> strokes = {stroke_of({{10, 80}, {10, 20}, {90, 20}}), stroke_of({{60, 90}, {10.6, 20.9}}),
-                                       stroke_of({{50, 80}, {50.1, 22}})};
+                                       stroke_of({{50, 80}, {50.1, 21.2}})};
   const auto drawing = drawing_of({100, 100, strokes}, {});
   ASSERT_TRUE(drawing);
   ASSERT_EQ(drawing->layers[0].shapes.size(), 4u);

@@ -22,8 +22,8 @@ constexpr double kMinCornerCosine = 0.9;     // of 26 degrees: lines that turn m
 constexpr double kMinStraightCosine = 0.99;  // of 8 degrees, the same between straight lines longer than kMinStraight
 constexpr double kMinStraight = 20.0;        // pixels
 constexpr double kMinDivided = 8.0;          // pixels: min length of both sides of a corner where a line is divided
-constexpr double kMaxBeside = 0.75;          // pixels: by which an end may move across its line
 constexpr double kCovered = 20.0;            // pixels: length of the end of a line that others cover
+constexpr float kMaxNarrower = 2.0f;         // pixels by which it may be narrower there
 constexpr float kMinWidth = 0.005f;          // pixels: thinner lines are left out
 constexpr float kMaxMagnitude = 1e9f;        // pixels: limit of coordinates and widths
 
@@ -96,12 +96,13 @@ std::vector<float> stretched_dashes(const Stroke& stroke, double length, bool cl
   return {float(stroke.dash * stretch), float(stroke.gap * stretch)};
 }
 
-/// The widths of a line: their range, and their mean by length.
+/// The widths of a line but for its ends at others, where lines are narrower but cover each other: their range, and
+/// their mean by length.
 struct Widths {
   float min = INFINITY, max = 0.0f, mean = 0.0f;
+  float end_min = INFINITY;  ///< at the ends
 };
 
-/// Returns the widths of a line, but for its ends at others, where lines are narrower but cover each other.
 Widths widths_of(const Line& line) {
   constexpr double kMinLength = 3.0 * kCovered;
   double length = 0.0, along = 0.0, sum = 0.0, summed = 0.0;
@@ -113,6 +114,7 @@ Widths widths_of(const Line& line) {
     const double step = piece.length() / double(widths.size());
     for (const float width : widths) {
       along += step;
+      all.end_min = std::min(all.end_min, width);
       if (along < first || along - step > last) continue;
       all.min = std::min(all.min, width), all.max = std::max(all.max, width);
       sum += step * width, summed += step;
@@ -127,7 +129,8 @@ DrawnPath path_of(const Line& line, const LineStyle& style) {
   double length = 0.0;
   for (const SpinePiece& each : line.pieces) length += each.piece.length();
   const auto dashes = stretched_dashes(*line.stroke, length, line.closed);
-  if (style.varies && dashes.empty() && widths.max - widths.min > 2.0f * width_tolerance(widths.mean)) {
+  const bool varies = widths.max - widths.min > 2.0f * width_tolerance(widths.mean);
+  if (style.varies && dashes.empty() && (varies || widths.end_min < widths.min - kMaxNarrower)) {
     DrawnPath area = stroke_outline(line.pieces, line.closed);
     area.fill = style.color;
     return area;

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/printable.h"
+
 namespace umbrage {
 namespace {
 
@@ -24,6 +26,19 @@ std::string dxf_layer(std::string_view name) {
   for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) || c == '-' ? c : '_';
   constexpr std::size_t kMaxName = 31;
   return out.empty() ? "0" : out.substr(0, kMaxName);
+}
+
+/// Returns text in ASCII, other characters as \\U+XXXX.
+std::string dxf_string(std::string_view from) {
+  const std::string text = printable(from);
+  std::string out;
+  for (std::size_t at = 0, length = 0; at < text.size(); at += length) {
+    length = utf8_length(text, at);
+    unsigned code = static_cast<unsigned char>(text[at]) & (0xffu >> (length > 1 ? length + 1 : 1));
+    for (std::size_t k = 1; k < length; ++k) code = code << 6 | (static_cast<unsigned char>(text[at + k]) & 0x3f);
+    out += code < 0x80 ? std::string(1, text[at]) : code > 0xffff ? "?" : fmt::format("\\U+{:04X}", code);
+  }
+  return out;
 }
 
 class DxfWriter {
@@ -63,10 +78,7 @@ class DxfWriter {
     code(0, "TEXT"), code(8, layer);
     point(t.x, t.y);
     code(40, t.size * kCapHeight * scale_);
-    std::string line;
-    for (const char c : t.text)
-      if (static_cast<unsigned char>(c) >= 32) line += c;
-    code(1, line);
+    code(1, dxf_string(t.text));
     if (t.upwards) code(50, 90.0);
     code(72, int(t.anchor));
     if (t.anchor != TextAnchor::kStart) point(t.x, t.y, 1);

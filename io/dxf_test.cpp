@@ -14,6 +14,7 @@ class DxfTest : public test::ProgramTest {
   std::string entities(const std::string& file) {
     write("read.py", R"(
 import sys, ezdxf
+from ezdxf.lldxf.encoding import decode_dxf_unicode
 drawing = ezdxf.readfile(sys.argv[1])
 assert drawing.dxfversion == "AC1009" and not drawing.audit().errors
 assert {"visible", "hidden", "section", "hatch"} <= {layer.dxf.name for layer in drawing.layers}
@@ -25,7 +26,7 @@ for e in drawing.modelspace():
     elif kind == "POLYLINE": numbers = [n for v in e.vertices for n in (v.dxf.location.x, v.dxf.location.y, v.dxf.bulge)]
     elif kind == "TEXT": numbers = [e.dxf.insert.x, e.dxf.insert.y, e.dxf.height]
     print(kind, e.dxf.layer, e.dxf.linetype, "closed" if getattr(e, "is_closed", False) else "open",
-          *(f"{n + 0:.3f}" for n in numbers), e.dxf.text if kind == "TEXT" else "")
+          *(f"{n + 0:.3f}" for n in numbers), decode_dxf_unicode(e.dxf.text) if kind == "TEXT" else "")
 print("extents", *(f"{n:.3f}" for key in ("$EXTMIN", "$EXTMAX") for n in drawing.header[key][:2]))
 )");
     const std::string line = fmt::format("cd {} && /usr/bin/python3 read.py {} > entities.txt",
@@ -47,14 +48,14 @@ TEST_F(DxfTest, HasLinesArcsCirclesAndTexts) {
   // A quarter turn to the right on the page, then a line.
   const DrawnSegment quarter{.x = 70, .y = 20, .radius = 10, .clockwise = true};
   add("cross-hatch", DrawnPath{.x = 60, .y = 10, .segments = {quarter, {.x = 70, .y = 30}}, .stroke = DrawnColor{}});
-  add("my layer", DrawnText{.x = 5, .y = 45, .size = 10, .text = "12 mm"});
+  add("my layer", DrawnText{.x = 5, .y = 45, .size = 10, .text = "12 \xc2\xb5m\n"});
   std::ofstream(folder_ / "drawing.dxf") << *dxf_text(drawing);
   EXPECT_EQ(entities("drawing.dxf"),
             "LINE visible BYLAYER open 2.000 96.000 22.000 96.000 \n"
             "LINE hidden DASHED open 0.000 100.000 0.000 20.000 \n"
             "CIRCLE section BYLAYER open 40.000 60.000 20.000 \n"
             "POLYLINE hatch BYLAYER open 120.000 80.000 -0.414 140.000 60.000 0.000 140.000 40.000 0.000 \n"
-            "TEXT my_layer BYLAYER open 10.000 10.000 14.580 12 mm\n"
+            "TEXT my_layer BYLAYER open 10.000 10.000 14.580 12 \xc2\xb5m \n"
             "extents 0.000 0.000 200.000 100.000\n");
   drawing.mm_per_unit = INFINITY;
   EXPECT_FALSE(dxf_text(drawing));
@@ -123,6 +124,15 @@ TEST_F(DxfTest, OfPerspectiveSaysThatItHasNoScale) {
       "scene:solids?detail=2000 --device cpu --resolution 160,120 --look technical --set hidden.draw=on "
       "--camera-orthographic -o hidden.dxf");
   EXPECT_NE(entities("hidden.dxf").find(" hidden DASHED "), std::string::npos);
+  write("p.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float p\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2\n");
+  const auto bar = run(
+      "p.ply --device cpu --resolution 64,64 --look cartoon --color-by p --color-bar --camera-orthographic -o bar.dxf");
+  EXPECT_EQ(bar.code, 0) << bar.err;
+  EXPECT_NE(bar.err.find("'bar.dxf' leaves out the colours of 'color-bar'"), std::string::npos) << bar.err;
+  EXPECT_NE(entities("bar.dxf").find("TEXT color-bar"), std::string::npos);
   bad("tri.obj --passes depth -o lines.dxf", 2, {"--passes", "'lines.dxf'"});
   bad("tri.obj --look studio -o lines.dxf", 2, {"'studio' draws no lines"});
 }

@@ -11,12 +11,14 @@ namespace {
 
 using glm::dvec2;
 
-constexpr double kMeetingReach = 2.0;  // pixels: max distance of ends that meet
-constexpr double kEndReach = 6.0;      // pixels by which a line may become longer or shorter to meet an end
-constexpr double kSideReach = 3.0;     // pixels, likewise to meet the side of another
+constexpr double kMeetingReach = 1.5;  // pixels: max distance of ends that meet
+constexpr double kEndReach = 4.0;      // pixels by which a line may become longer or shorter to meet an end
+constexpr double kHiddenReach = 6.0;   // pixels, the same for a hidden line: visible ones cover its ends
+constexpr double kSideReach = 1.5;     // pixels, likewise to meet the side of another
 constexpr double kMaxShorter = 1.0;    // pixels by which a line may become shorter to meet an end
 constexpr double kMaxSide = 10000.0;   // pixels: length of a line that others are joined to all along
-constexpr double kMaxBeside = 0.75;    // pixels: by which an end may move across its line
+constexpr double kMinBeside = 0.2;     // pixels: by which an end of any line may move across it
+constexpr double kMaxBeside = 0.5;     // pixels, the same for a line that is a hundred times as long
 
 /// Things near a position.
 template <class Thing>
@@ -53,6 +55,8 @@ struct LineEnd {
   dvec2& at() const { return last ? piece().to : piece().from; }
   bool& joined() const { return line->joined[std::size_t(last)]; }
 
+  double max_beside() const { return std::clamp(0.01 * piece().length(), kMinBeside, kMaxBeside); }
+
   /// Returns whether the line would become much shorter if it ended there.
   bool is_behind(dvec2 p) const {
     const dvec2 outward = last ? piece().direction_at(1) : -piece().direction_at(0);
@@ -60,7 +64,7 @@ struct LineEnd {
   }
   /// Moves the end, unless that would move it across its line, or turn a line around that is as short.
   bool move_to(dvec2 p) const {
-    if (std::abs(piece().curve.distance(p)) > kMaxBeside || piece().length() < 2.0 * glm::distance(at(), p))
+    if (std::abs(piece().curve.distance(p)) > max_beside() || piece().length() < 2.0 * glm::distance(at(), p))
       return false;
     at() = p;
     joined() = true;
@@ -103,14 +107,15 @@ void join_groups(const std::vector<LineEnd>& ends) {
 /// Joins an end to the nearest end of another line that it would reach.
 void join_to_end(const LineEnd& end, const NearbyGrid<LineEnd>& grid) {
   dvec2 best(0.0);
-  double nearest = kEndReach;
+  const double reach = end.line->stroke->kind == StrokeKind::kHidden ? kHiddenReach : kEndReach;
+  double nearest = reach;
   grid.near(end.at(), [&](const LineEnd& other) {
     const double distance = glm::distance(other.at(), end.at());
     if (other.line == end.line || distance > nearest) return;
     if (end.is_behind(other.at())) return;
-    if (std::abs(end.piece().curve.distance(other.at())) <= kMaxBeside) nearest = distance, best = other.at();
+    if (std::abs(end.piece().curve.distance(other.at())) <= end.max_beside()) nearest = distance, best = other.at();
   });
-  if (nearest < kEndReach) end.move_to(best);
+  if (nearest < reach) end.move_to(best);
 }
 
 /// A place on the side of a line.
@@ -154,7 +159,7 @@ void join_ends(std::vector<Line>& lines) {
     }
   }
   join_groups(ends);
-  NearbyGrid<LineEnd> others(kEndReach);
+  NearbyGrid<LineEnd> others(kHiddenReach);
   for (const LineEnd& end : ends) others.add(end.at(), end);
   for (const LineEnd& end : ends)
     if (!end.joined()) join_to_end(end, others);

@@ -21,6 +21,7 @@ Result<void> write_lines_to(const std::string& file, const LineFile& lines, cons
                              : lines.mm_per_pixel;
   if (lines.alone && !legends.own_file)
     drawing->layers.insert(drawing->layers.end(), legends.layers.begin(), legends.layers.end());
+  warn_of_pictures(file, *drawing);
   return write_page(file, *drawing);
 }
 
@@ -84,6 +85,16 @@ void disable_unused_effects(const StrokeParameters& lines, Request& request) {
   if (find_params<HatchingParams>(lines) || !request.occlusion_radius.empty()) return;  // hints on the radius need it
   request.occlusion = kNoOcclusion;
   request.occlusion_scale.clear();
+}
+
+void warn_of_pictures(const std::string& file, const Drawing& page) {
+  const auto is_image = [](const DrawnShape& shape) { return std::holds_alternative<DrawnImage>(shape); };
+  for (const DrawnLayer& layer : page.layers)
+    if (is_dxf(file) && std::any_of(layer.shapes.begin(), layer.shapes.end(), is_image))
+      print_warning(
+          fmt::format("'{}' leaves out the colours of '{}': .dxf files hold lines and texts, .svg and .pdf "
+                      "files also pictures",
+                      file, layer.name));
 }
 
 void print_line_notes(const LineFile& lines, const Camera& camera) {

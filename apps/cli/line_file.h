@@ -39,6 +39,9 @@ Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, L
 /// if its radius is given, since the hint about the radius needs it, and for hatching, which draws it.
 void disable_unused_effects(const StrokeParameters& lines, Request& request);
 
+/// Warns of pictures on a page that a .dxf file leaves out.
+void warn_of_pictures(const std::string& file, const Drawing& page);
+
 /// Prints a note if the lines have no scale that can be measured in their file.
 void print_line_notes(const LineFile& lines, const Camera& camera);
 

@@ -206,6 +206,7 @@ Result<void> write_sheet(const RenderOptions& o, const RenderJob& job, const She
                .background = background_of(o, job.recipe),
                .layers = std::move(sheet.layers)};
   if (!legends.own_file) page.layers.insert(page.layers.end(), legends.layers.begin(), legends.layers.end());
+  warn_of_pictures(o.output, page);
   return write_page(o.output, page);
 }
 
