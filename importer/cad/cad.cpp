@@ -6,7 +6,9 @@
 #include <unistd.h>
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
+#include <BRepLib.hxx>
 #include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <IGESCAFControl.hxx>
 #include <IGESCAFControl_Reader.hxx>
@@ -139,6 +141,7 @@ SurfaceColors colors_of(const IGESCAFControl_Reader& reader) {
 }
 
 /// Joins the faces of each part along their edges, which files of IGES have twice: else there are cracks between faces.
+/// Closed surfaces get their outer side.
 void sew_faces(const Handle(TDocStd_Document) & document) {
   constexpr double kTolerance = 1e-5;  // of the part's size
   const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
@@ -157,7 +160,15 @@ void sew_faces(const Handle(TDocStd_Document) & document) {
     TopoDS_Compound whole;
     const BRep_Builder builder;
     builder.MakeCompound(whole);
-    builder.Add(whole, sewing.SewedShape());
+    for (TopExp_Explorer shell(sewing.SewedShape(), TopAbs_SHELL); shell.More(); shell.Next()) {
+      TopoDS_Solid solid;
+      builder.MakeSolid(solid);
+      builder.Add(solid, shell.Current());
+      const bool is_closed = BRep_Tool::IsClosed(shell.Current()) && BRepLib::OrientClosedSolid(solid);
+      builder.Add(whole, is_closed ? TopoDS_Shape(solid) : shell.Current());
+    }
+    for (TopExp_Explorer face(sewing.SewedShape(), TopAbs_FACE, TopAbs_SHELL); face.More(); face.Next())
+      builder.Add(whole, face.Current());
     for (TopExp_Explorer curve(shape, TopAbs_EDGE, TopAbs_FACE); curve.More(); curve.Next())
       builder.Add(whole, curve.Current());
     shapes->SetShape(label, whole);
