@@ -6,9 +6,7 @@
 #include <unistd.h>
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
-#include <BRepLib.hxx>
 #include <BRep_Builder.hxx>
-#include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <IGESCAFControl.hxx>
 #include <IGESCAFControl_Reader.hxx>
@@ -58,17 +56,11 @@ std::string fault_of(std::string_view text, bool is_step) {
     return text.find(kEnd) == std::string_view::npos ? "it is cut short: END-ISO-10303-21 is missing" : "";
   }
   constexpr std::size_t kSection = 72, kLine = 80;  // columns
-  bool has_start = false, has_end = false;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    if (end - at >= kLine) {
-      has_start = has_start || text[at + kSection] == 'S';
-      has_end = has_end || text[at + kSection] == 'T';
-    }
-    at = end + 1;
-  }
-  if (!has_start) return "no line has an S in column 73";
-  return has_end ? "" : "it is cut short: its last line, with a T in column 73, is missing";
+  const std::size_t end = text.find_last_not_of("\r\n") + 1, first = text.find('\n');
+  if (first == std::string_view::npos || first < kLine || text[kSection] != 'S')
+    return "the first line has no S in column 73";
+  return end >= kLine && text[end - kLine + kSection] == 'T' ? ""
+                                                             : "it is cut short: the last line has no T in column 73";
 }
 
 /// Returns a sentence about entities that the reader could not use; empty if there are none.
@@ -160,15 +152,7 @@ void sew_faces(const Handle(TDocStd_Document) & document) {
     TopoDS_Compound whole;
     const BRep_Builder builder;
     builder.MakeCompound(whole);
-    for (TopExp_Explorer shell(sewing.SewedShape(), TopAbs_SHELL); shell.More(); shell.Next()) {
-      TopoDS_Solid solid;
-      builder.MakeSolid(solid);
-      builder.Add(solid, shell.Current());
-      const bool is_closed = BRep_Tool::IsClosed(shell.Current()) && BRepLib::OrientClosedSolid(solid);
-      builder.Add(whole, is_closed ? TopoDS_Shape(solid) : shell.Current());
-    }
-    for (TopExp_Explorer face(sewing.SewedShape(), TopAbs_FACE, TopAbs_SHELL); face.More(); face.Next())
-      builder.Add(whole, face.Current());
+    builder.Add(whole, sewing.SewedShape());
     for (TopExp_Explorer curve(shape, TopAbs_EDGE, TopAbs_FACE); curve.More(); curve.Next())
       builder.Add(whole, curve.Current());
     shapes->SetShape(label, whole);
