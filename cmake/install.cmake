@@ -1,4 +1,4 @@
-# Install rules, in five components: program, lab (umbrage-lab), library (shared), development, python (only on request).
+# Install rules, in six components: program, lab (umbrage-lab), cad (umbrage-import-cad), library (shared), development, python (only on request).
 include(CMakePackageConfigHelpers)
 # Builds what is installed, and no tests.
 add_custom_target(umbrage_installation)
@@ -18,6 +18,10 @@ if(TARGET umbrage_manual)
   umbrage_built_for(program umbrage_manual ${UMBRAGE_MANUAL})
 endif()
 umbrage_built_for(lab umbrage-lab $<TARGET_FILE:umbrage-lab>)
+if(TARGET umbrage-import-cad)
+  umbrage_built_for(cad umbrage-import-cad $<TARGET_FILE:umbrage-import-cad>)
+  install(TARGETS umbrage-import-cad RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/umbrage COMPONENT cad)
+endif()
 if(TARGET umbrage_shared)
   umbrage_built_for(library umbrage_shared $<TARGET_FILE:umbrage_shared>)
 endif()

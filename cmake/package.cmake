@@ -1,10 +1,13 @@
 # Debian packages by CPack, divided by the rules of Debian: umbrage, the programs and manual pages; umbrage-lab, the
-# commands that measure; libumbrage1, the shared library; libumbrage-dev, headers and static library; python3-umbrage, the
+# commands that measure; umbrage-import-cad, which reads STEP and IGES; libumbrage1, the shared library; libumbrage-dev, headers and static library; python3-umbrage, the
 # Python package. scripts/package builds them.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "The Umbrage authors <umbrage@localhost>")
 set(CPACK_PACKAGE_VENDOR "Umbrage")
 set(CPACK_COMPONENTS_ALL program lab library development python)
+if(TARGET umbrage-import-cad)
+  list(APPEND CPACK_COMPONENTS_ALL cad)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
@@ -27,11 +30,14 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION graphics)
 # Vulkan is loaded at run time if it is installed.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS libvulkan1)
 set(CPACK_DEBIAN_LAB_PACKAGE_NAME umbrage-lab)
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "glslc, spirv-cross")  # umbrage shaders
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "glslc, spirv-cross, umbrage-import-cad")  # umbrage shaders, STEP
 set(CPACK_DEBIAN_LAB_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_LAB_PACKAGE_RECOMMENDS libvulkan1)
 # The program starts this one; it must have the same version.
 set(CPACK_DEBIAN_LAB_PACKAGE_DEPENDS "umbrage (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+set(CPACK_DEBIAN_CAD_PACKAGE_NAME umbrage-import-cad)
+set(CPACK_DEBIAN_CAD_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_CAD_PACKAGE_DEPENDS ${CPACK_DEBIAN_LAB_PACKAGE_DEPENDS})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libumbrage${UMBRAGE_ABI})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS libvulkan1)
@@ -79,6 +85,9 @@ set(CPACK_COMPONENT_LAB_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read. This package contains
 the commands compare, tune, figures and bench: they measure techniques against
 ray tracing, search settings, reproduce papers and measure times.")
+set(CPACK_COMPONENT_CAD_DESCRIPTION
+    "Umbrage draws 3D models so that their shape can be read. This package contains
+the program that reads STEP and IGES files for it, through OpenCASCADE.")
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read, and shades what other
 programs have drawn. This package contains the shared library.")
@@ -114,7 +123,7 @@ Files: *
 Copyright: 2026 The Umbrage authors
 License: MIT
  @licence@" @ONLY)
-  foreach(component program lab library development python)
+  foreach(component ${CPACK_COMPONENTS_ALL})
     string(TOUPPER ${component} upper)
     install(FILES ${PROJECT_BINARY_DIR}/generated/debian/changelog.Debian.gz ${PROJECT_BINARY_DIR}/generated/debian/copyright
             DESTINATION share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME} COMPONENT ${component} EXCLUDE_FROM_ALL)

@@ -293,8 +293,8 @@ TEST_F(ThreeMf, MillimetresAndMetresInOneSceneAreNamed) {
 }
 
 TEST_F(ThreeMf, FormatsThatAreNotReadAreNamed) {
-  for (const auto& [format, advice] : {std::pair("step", "FreeCAD"),
-                                       {"STP", "FreeCAD"},
+  for (const auto& [format, advice] : {std::pair("brep", "FreeCAD"),
+                                       {"FCStd", "FreeCAD"},
                                        {"usdz", ".glb"},
                                        {"blend", "Blender"},
                                        {"amf", ".3mf"},

@@ -56,17 +56,11 @@ std::string fault_of(std::string_view text, bool is_step) {
     return text.find(kEnd) == std::string_view::npos ? "it is cut short: END-ISO-10303-21 is missing" : "";
   }
   constexpr std::size_t kSection = 72, kLine = 80;  // columns
-  bool has_start = false, has_end = false;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    if (end - at >= kLine) {
-      has_start = has_start || text[at + kSection] == 'S';
-      has_end = has_end || text[at + kSection] == 'T';
-    }
-    at = end + 1;
-  }
-  if (!has_start) return "no line has an S in column 73";
-  return has_end ? "" : "it is cut short: its last line, with a T in column 73, is missing";
+  const std::size_t end = text.find_last_not_of("\r\n") + 1, first = text.find('\n');
+  if (first == std::string_view::npos || first < kLine || text[kSection] != 'S')
+    return "the first line has no S in column 73";
+  return end >= kLine && text[end - kLine + kSection] == 'T' ? ""
+                                                             : "it is cut short: the last line has no T in column 73";
 }
 
 /// Returns a sentence about entities that the reader could not use; empty if there are none.
@@ -139,6 +133,7 @@ SurfaceColors colors_of(const IGESCAFControl_Reader& reader) {
 }
 
 /// Joins the faces of each part along their edges, which files of IGES have twice: else there are cracks between faces.
+/// Closed surfaces get their outer side.
 void sew_faces(const Handle(TDocStd_Document) & document) {
   constexpr double kTolerance = 1e-5;  // of the part's size
   const auto shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());

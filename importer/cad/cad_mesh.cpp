@@ -76,8 +76,9 @@ class SurfaceNormals {
   BRepLProp_SLProps properties_;
 };
 
-/// Adds the triangles of a face to a mesh.
-void add_face(const RWMesh_FaceIterator& face, PlacedMesh& to) {
+/// Adds the triangles of a face to a mesh. `is_mirrored`: by the place of the part. Faces of IGES that are mirrored
+/// within their part are already turned for that, which RWMesh_FaceIterator::TriangleOriented does not know.
+void add_face(const RWMesh_FaceIterator& face, bool is_mirrored, PlacedMesh& to) {
   Mesh& mesh = to.mesh;
   const Poly_Triangulation& triangles = *face.Triangulation();
   const auto first = std::uint32_t(mesh.normals.size());
@@ -95,7 +96,9 @@ void add_face(const RWMesh_FaceIterator& face, PlacedMesh& to) {
   }
   double outward = 0.0;  // how far the normals agree with the order of the triangles' corners
   for (int t = face.ElemLower(); t <= face.ElemUpper(); ++t) {
-    const Poly_Triangle triangle = face.TriangleOriented(t);
+    Poly_Triangle triangle = triangles.Triangle(t);
+    if ((face.Face().Orientation() == TopAbs_REVERSED) != is_mirrored)
+      triangle.Set(triangle.Value(1), triangle.Value(3), triangle.Value(2));
     std::array<std::size_t, 3> corners;
     for (int k = 0; k < 3; ++k) corners[std::size_t(k)] = std::size_t(triangle.Value(k + 1) - 1);
     const glm::dvec3 area =
@@ -206,6 +209,7 @@ Scene scene_of_document(const Handle(TDocStd_Document) & document, const Surface
     const bool is_face = shape.ShapeType() == TopAbs_FACE;
     const int object = is_face ? object_of_faces.value_or(objects) : objects;
     const std::size_t first = meshes.size();
+    const bool is_mirrored = node.Location.Transformation().VectorialPart().Determinant() < 0.0;
     constexpr bool kColors = true;
     for (RWMesh_FaceIterator face(node.RefLabel, node.Location, kColors, node.Style); face.More(); face.Next()) {
       if (!face.FaceStyle().IsVisible()) continue;
@@ -218,7 +222,7 @@ Scene scene_of_document(const Handle(TDocStd_Document) & document, const Surface
         mesh->mesh.material = material;
         mesh->mesh.object = object;
       }
-      add_face(face, *mesh);
+      add_face(face, is_mirrored, *mesh);
     }
     if (meshes.size() == first) continue;
     objects = std::max(objects, object + 1);
