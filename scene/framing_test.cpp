@@ -319,5 +319,43 @@ TEST(Framing, KeyLightComesFromAboveLeftOfTheCamera) {
   }
 }
 
+TEST(Framing, LeavesSpaceFree) {
+  for (const bool orthographic : {false, true}) {
+    const Scene scene = *load_scene("scene:solids?detail=2000");
+    Framing framing;
+    framing.orthographic = orthographic;
+    const Camera whole = frame_scene(scene, framing, 300, 300);
+    framing.free_space = {0.25f, 0.5f};
+    const Camera camera = frame_scene(scene, framing, 400, 600);
+    // The used part of the window is that of a picture of 300 x 300 pixels.
+    EXPECT_NEAR((whole.right - whole.left) / (camera.right - camera.left), 0.75f, 1e-4f);
+    EXPECT_NEAR(camera.left, whole.left, 1e-4f * std::abs(whole.left));
+    EXPECT_NEAR(camera.top, whole.top, 1e-4f * std::abs(whole.top));
+    EXPECT_NEAR((whole.top - whole.bottom) / (camera.top - camera.bottom), 0.5f, 1e-4f);
+  }
+}
+
+TEST(Explode, MovesObjectsApart) {
+  Scene scene;
+  for (const float x : {-1.0f, 0.0f, 2.0f}) {
+    Mesh& mesh = scene.meshes.emplace_back();
+    mesh.positions = {{x, 0.0f, 0.0f}, {x + 1.0f, 0.0f, 0.0f}, {x, 1.0f, 0.0f}};
+    mesh.indices = {0, 1, 2};
+    mesh.object = x > 1.0f ? 1 : 0;  // the first two are one part
+  }
+  scene.bounds_min = {-1.0f, 0.0f, 0.0f}, scene.bounds_max = {3.0f, 1.0f, 0.0f};
+  explode(0.5f, scene);
+  // The centres of the parts are at 0 and 2.5, and that of the scene at 1.
+  EXPECT_EQ(scene.meshes[0].positions[0].x, -1.5f);
+  EXPECT_EQ(scene.meshes[1].positions[0].x, -0.5f);
+  EXPECT_EQ(scene.meshes[2].positions[0].x, 2.75f);
+  EXPECT_EQ(scene.bounds_min.x, -1.5f);
+  EXPECT_EQ(scene.bounds_max.x, 3.75f);
+  EXPECT_TRUE(scene.warnings.empty());
+  scene.meshes.pop_back();
+  explode(0.5f, scene);
+  EXPECT_EQ(scene.warnings.size(), 1u);
+}
+
 }  // namespace
 }  // namespace umbrage
