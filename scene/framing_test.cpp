@@ -321,7 +321,7 @@ TEST(Framing, KeyLightComesFromAboveLeftOfTheCamera) {
 
 TEST(Framing, LeavesSpaceFree) {
   for (const bool orthographic : {false, true}) {
-    const Scene scene = *load_scene("scene:solids?detail=2000");
+    const Scene scene = lump({3.0f, 1.0f, 2.0f}, {5.0f, -2.0f, 1.0f});
     Framing framing;
     framing.orthographic = orthographic;
     const Camera whole = frame_scene(scene, framing, 300, 300);
