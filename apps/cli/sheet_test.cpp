@@ -101,7 +101,7 @@ TEST_F(Sheet, LinesOfAllViewsAreOnOnePage) {
   const Image page = image("svg.png");
   int dark = 0;
   for (int y = 0; y < page.height; ++y)
-    for (int x = 0; x < page.width; ++x) dark += page.plane("color.g").at(x, y) < 0.5f;
+    for (int x = 0; x < page.width; ++x) dark += page.plane("color.g").at(x, y) < 0.8f;
   EXPECT_GT(dark, 1000);
 }
 
