@@ -358,7 +358,7 @@ std::vector<CurvePiece> closed_pieces(Samples& s, bool sharpens, double toleranc
   return pieces;
 }
 
-/// Returns where two pieces meet: not far from the samples, which corners may be when they are acute.
+/// Returns where two pieces meet: not far from the samples, nor before the end of one, as acute corners may be.
 dvec2 joint_of(const Samples& s, const CurvePiece& a, const CurvePiece& b) {
   const FittedCurve both[] = {a.curve, b.curve};
   const dvec2 near = s[a.last].at, joint = meeting_point(both, near, kCornerReach);
@@ -367,7 +367,9 @@ dvec2 joint_of(const Samples& s, const CurvePiece& a, const CurvePiece& b) {
   for (std::size_t k = 1; k <= kBeside; ++k)
     for (const std::size_t i : {a.last - std::min(a.last, k), std::min(b.first + k, s.size() - 1)})
       nearest = std::min(nearest, glm::distance(s[i].at, joint));
-  return nearest <= kLongRounding ? joint : meeting_point(both, near, 0.0);
+  const bool cuts = glm::dot(joint - near, a.curve.direction(near)) < -kLongRounding ||
+                    glm::dot(joint - near, b.curve.direction(near)) > kLongRounding;
+  return nearest <= kLongRounding && !cuts ? joint : meeting_point(both, near, 0.0);
 }
 
 /// Fits all pieces again with their final samples, and computes their ends.
