@@ -14,10 +14,9 @@ using glm::dvec2;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kMaxSamples = 20000.0;  // per stroke
-constexpr double kRms = 0.2;            // max distance of the samples of a piece on the root mean square, in tolerances
-constexpr double kLongLine = 40.0;      // pixels: at a longer line tracing is corrected more
+constexpr double kRms = 0.17;           // max distance of the samples of a piece on the root mean square, in tolerances
+constexpr double kLongLine = 30.0;      // pixels: at a longer line tracing is corrected more
 constexpr double kLongTolerance = 4.0;  // tolerances within which long lines and circles are one
-constexpr double kStraightArc = 100.0;  // pixels: a longer arc is a line if it is as near as those
 constexpr double kCornerSine = 0.3;     // of 17 degrees: pieces that turn more meet at a corner
 constexpr double kLongCornerSine = 0.14;    // of 8 degrees, the same between long lines
 constexpr double kMinForward = -0.6;        // cosine of 127 degrees, the max turn of a rounded corner
@@ -329,8 +328,8 @@ std::vector<CurvePiece> open_pieces(const Samples& s, bool sharpens, double tole
   std::vector<CurvePiece> pieces = greedy_pieces(s, tolerance);
   merge_pieces(s, pieces, sharpens, tolerance);
   if (!sharpens) return pieces;
-  for (CurvePiece& piece : pieces)
-    if (extent(s, piece) > kStraightArc)
+  for (CurvePiece& piece : pieces)  // long arcs that are nearly lines, too
+    if (extent(s, piece) > kLongLine)
       piece.curve =
           curve_through(s, {piece.first, piece.last}, kLongTolerance * tolerance, false).value_or(piece.curve);
   sharpen_corners(s, pieces);
@@ -359,7 +358,7 @@ std::vector<CurvePiece> closed_pieces(Samples& s, bool sharpens, double toleranc
   return pieces;
 }
 
-/// Returns where two pieces meet: not far from the samples, which corners may be when they are acute.
+/// Returns where two pieces meet: not far from the samples, nor before the end of one, as acute corners may be.
 dvec2 joint_of(const Samples& s, const CurvePiece& a, const CurvePiece& b) {
   const FittedCurve both[] = {a.curve, b.curve};
   const dvec2 near = s[a.last].at, joint = meeting_point(both, near, kCornerReach);
@@ -368,7 +367,9 @@ dvec2 joint_of(const Samples& s, const CurvePiece& a, const CurvePiece& b) {
   for (std::size_t k = 1; k <= kBeside; ++k)
     for (const std::size_t i : {a.last - std::min(a.last, k), std::min(b.first + k, s.size() - 1)})
       nearest = std::min(nearest, glm::distance(s[i].at, joint));
-  return nearest <= kLongRounding ? joint : meeting_point(both, near, 0.0);
+  const bool cuts = glm::dot(joint - near, a.curve.direction(near)) < -kLongRounding ||
+                    glm::dot(joint - near, b.curve.direction(near)) > kLongRounding;
+  return nearest <= kLongRounding && !cuts ? joint : meeting_point(both, near, 0.0);
 }
 
 /// Fits all pieces again with their final samples, and computes their ends.

@@ -18,7 +18,7 @@ struct LineStyle {
 
 /// Returns a drawing in pixels with a layer per kind of line and object, in that order, named "outline", "fold",
 /// "crease", "hatch", "cross-hatch" or "hidden". Lines and arcs are fitted within 0.1 pixels (fit_curve). Lines but
-/// those of hatching are divided at corners, and ends that are within two pixels of each other meet. A path is a stroke
+/// those of hatching are divided at corners, and ends that are near each other meet (join_ends). A path is a stroke
 /// where the width is constant within 0.05 pixels or 2 %; else it is the outline of the stroke. Dashes begin and end a
 /// line. Errors: kUsage for coordinates or widths that are not finite or above 1e9 in magnitude, and for negative
 /// widths.
