@@ -1,4 +1,5 @@
 // Triangles, normals and colours of the faces of a CAD document.
+#include <fmt/core.h>
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBndLib.hxx>
 #include <BRepLProp_SLProps.hxx>

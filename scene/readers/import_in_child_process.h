@@ -10,9 +10,9 @@ namespace umbrage {
 /// when the scene is complete. If the process ends without writing that byte, it has crashed.
 inline constexpr int kImportResult = 3, kImportDone = 4;
 
-/// Runs umbrage-import, or umbrage-import-cad, on a file. Safe to call from several threads and in any host: processes are started only by
-/// posix_spawn, and signal handlers are not changed. Errors: kFile: the reader's error, or that it crashed
-/// or was stopped, or that the program is missing; kInterrupted, after the program has ended.
+/// Runs umbrage-import, or umbrage-import-cad, on a file. Safe to call from several threads and in any host: processes
+/// are started only by posix_spawn, and signal handlers are not changed. Errors: kFile: the reader's error, or that it
+/// crashed or was stopped, or that the program is missing; kInterrupted, after the program has ended.
 Result<Scene> import_in_child_process(const std::filesystem::path& file, const ImportSettings& settings,
                                       Poll* poll = nullptr);
 

@@ -89,6 +89,7 @@ case $name in
       [ ! -e "$tree/prefix" ] || fail "an installation without $missing was begun"
     }
     programs=(bin/umbrage bin/umbrage-import)
+    [ ! -e "$BUILD/bin/umbrage-import-cad" ] || programs+=(bin/umbrage-import-cad)
     libraries=()
     case $KINDS in *shared*) libraries+=("libumbrage.so.$VERSION") ;; esac
     case $KINDS in *static*) libraries+=(libumbrage.a) ;; esac

@@ -11,6 +11,7 @@ for isa in sse4 avx2; do
     as_user "$place/bin/umbrage" bunny.obj --device cpu --isa $isa --look $look --resolution 320x240 -o $look-$isa.png
   done
 done
+as_user "$place/bin/umbrage" ring.step --device cpu --resolution 320x240 -o ring.png
 as_user "$place/bin/umbrage" bench bunny.obj --effect unsharp --resolution 64 --runs 1 --device cpu >/dev/null
 as_user "$place/bin/umbrage" list devices
 sha256sum ./*.png

@@ -3,7 +3,7 @@
 set -eu
 work=/root/work
 mkdir $work
-cp out/packages/*.deb examples/render_file.cpp examples/*.c examples/python/*.py examples/gallery.ipynb $work/
+cp out/packages/*.deb examples/render_file.cpp examples/*.c examples/python/*.py examples/gallery.ipynb tests/cad/ring.step $work/
 cd $work
 # A model of a format that umbrage-import reads.
 printf 'v -1 -1 0\nv 1 -1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >model.obj
@@ -20,6 +20,10 @@ echo "package: the laboratory"
 if umbrage bench model.obj --runs 1; then exit 1; fi
 install ./umbrage-lab_*.deb
 umbrage bench model.obj --effect unsharp --resolution 64 --runs 1
+echo "package: STEP"
+if umbrage ring.step -o ring.png; then exit 1; fi
+install ./umbrage-import-cad_*.deb
+umbrage ring.step -o ring.png
 echo "package: the library, with programs in C++ and C"
 install ./libumbrage*.deb g++ pkg-config
 # shellcheck disable=SC2046
@@ -44,7 +48,7 @@ import nbclient, nbformat
 nbclient.NotebookClient(nbformat.read("gallery.ipynb", 4), kernel_name="python3").execute()'
 ls -l ./*.png
 echo "package: removing all packages"
-apt-get purge -qy umbrage umbrage-lab "libumbrage*" python3-umbrage >/dev/null
+apt-get purge -qy umbrage umbrage-lab umbrage-import-cad "libumbrage*" python3-umbrage >/dev/null
 if find / -xdev -path /proc -prune -o -path $work -prune -o -path /checkout -prune -o -name "*umbrage*" -print | grep .; then
   echo "package: these files remain after removal" >&2
   exit 1
