@@ -27,6 +27,7 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY >=)
 
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME umbrage)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS fonts-dejavu-core)  # of legends
 # Vulkan is loaded at run time if it is installed.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS libvulkan1)
 set(CPACK_DEBIAN_LAB_PACKAGE_NAME umbrage-lab)
