@@ -241,6 +241,13 @@ Result<ValueColors> value_colors(const ValueSettings& settings, std::span<const 
     warnings.push_back(fmt::format("all values of '{}' are outside of `color_range` {:g},{:g}: they are {:g} to {:g}",
                                    out.name, out.low, out.high, extent.low, extent.high));
   }
+  const double spacing = std::max(std::abs(extent.low), std::abs(extent.high)) * std::numeric_limits<float>::epsilon();
+  constexpr double kMinSteps = 500.0;  // twice the colours that a picture tells apart
+  if (extent.low < extent.high && double(out.high) - double(out.low) < kMinSteps * spacing)
+    warnings.push_back(
+        fmt::format("values of '{}' are kept as floats, {:.3g} apart in their range: subtract a constant in the file "
+                    "to see more of it",
+                    out.name, spacing));
   if (out.scale == Scale::kSymlog)
     out.linear_threshold = kLinearFraction * std::max(std::abs(out.low), std::abs(out.high));
   out.bands = settings.bands > 0;

@@ -154,6 +154,10 @@ TEST(ValueColors, RangesAreThoseOfFiniteValuesOfAllScenes) {
   elsewhere.range = {10.0f, 20.0f};
   EXPECT_EQ(value_colors(elsewhere, one, warnings)->low, 10.0f);
   EXPECT_NE(warnings.back().find("outside of `color_range` 10,20"), std::string::npos);
+  const Scene coarse = strip_with({1e9f, 1e9f + 64.0f, 1e9f + 128.0f, 1e9f});
+  const Scene* const far[] = {&coarse};
+  ASSERT_TRUE(value_colors(settings_of(), far, warnings));
+  EXPECT_NE(warnings.back().find("kept as floats"), std::string::npos) << warnings.back();
 }
 
 TEST(ValueColors, ErrorsNameTheFieldsAndComponentsThereAre) {

@@ -155,6 +155,16 @@ TEST_F(FileFields, OfAtomsAreThoseOfPdb) {
   }
 }
 
+TEST_F(FileFields, NamesOfPlyKeepTheirCase) {
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float X\nproperty float Y\nproperty float Z\n"
+      "property float T\nproperty float P\nproperty float p\nelement face 1\nproperty list uchar int vertex_indices\n"
+      "end_header\n0 0 0 1 4 7\n1 0 0 2 5 8\n0 1 0 3 6 9\n3 0 1 2\n";
+  EXPECT_EQ(names("case.ply", ply), (std::vector<std::string>{"T1", "P1", "p1"}));
+  const Scene scene = read("case.ply", ply, "P");
+  EXPECT_EQ(scene.meshes[0].fields.at(0).values, (std::vector<float>{4, 5, 6}));
+}
+
 TEST(FieldColumns, JoinVectorsByTheEndingsOfTheirNames) {
   std::vector<FileColumn> columns;
   for (const char* name : {"x", "y", "z", "u.x", "u.y", "u.z", "w_0", "w_1", "w_2", "vx", "vy", "vz", "", "max", "a_x"})

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/lists.h"
 #include "core/lowercase.h"
 #include "scene/readers/read_number.h"
 #include "scene/readers/whole_file.h"
@@ -75,9 +76,9 @@ bool read_property(const std::vector<std::string_view>& words, Header& header) {
   if (!number || (is_list && !property.list_size)) return false;
   property.number = *number;
   property.name = words.back();
-  constexpr std::size_t kMaxAnyCase = 2;  // X, NY or R, but not CloudCompare's names of scalars
+  constexpr std::string_view kAnyCase[] = {"x", "y", "z", "nx", "ny", "nz", "r", "g", "b"};
   if (const std::string lower = lowercase(property.name);
-      lower.size() <= kMaxAnyCase && header.elements.back().find(lower) < 0)
+      contains(kAnyCase, lower) && header.elements.back().find(lower) < 0)
     property.name = lower;
   // As a float, a packed colour may be no number, whose bits conversions do not keep.
   if (header.storage != Storage::kText && (property.name == "rgb" || property.name == "rgba") &&
