@@ -129,7 +129,7 @@ TEST_F(DxfTest, OfPerspectiveSaysThatItHasNoScale) {
         "property float p\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
         "0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2\n");
   const auto bar = run(
-      "p.ply --device cpu --resolution 64,64 --look cartoon --color-by p --color-bar --camera-orthographic -o bar.dxf");
+      "p.ply --device cpu --resolution 96,96 --look cartoon --color-by p --color-bar --camera-orthographic -o bar.dxf");
   EXPECT_EQ(bar.code, 0) << bar.err;
   EXPECT_NE(bar.err.find("'bar.dxf' leaves out the colours of 'color-bar'"), std::string::npos) << bar.err;
   EXPECT_NE(entities("bar.dxf").find("TEXT color-bar"), std::string::npos);

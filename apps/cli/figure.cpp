@@ -93,6 +93,10 @@ Result<void> apply_figure_options(RenderOptions& o) {
     return field_error("--legend", figure.legend_file, "{} '{}' needs --color-bar, --scale-bar or --axes");
   if (legend.color_bar && o.request.color_by.empty())
     return field_error("--color-bar", true, "{} shows the values of --color-by, which is not given");
+  if (legend.any() && std::min(o.request.width, o.request.height) < kMinLegendSide)
+    return field_error("width", o.request.width,
+                       "{2} x {3} pixels are too small for bars and axes: draw at least {4} on each side",
+                       o.request.width, o.request.height, kMinLegendSide);
   if (!figure.legend_file.empty()) {
     const std::string page = page_extension(figure.legend_file);
     if (page != "svg" && page != "pdf" &&
@@ -102,8 +106,8 @@ Result<void> apply_figure_options(RenderOptions& o) {
     if (auto writable = check_writable(figure.legend_file); !writable)
       return with_field(writable.error(), "--legend", figure.legend_file);
     std::error_code ignored;
-    if (std::filesystem::weakly_canonical(figure.legend_file, ignored) ==
-        std::filesystem::weakly_canonical(o.output, ignored))
+    if (std::filesystem::absolute(figure.legend_file, ignored).lexically_normal() ==
+        std::filesystem::absolute(o.output, ignored).lexically_normal())
       return field_error("--legend", figure.legend_file, "{} '{}' is the picture itself: give another name");
     if (legend.axes && (o.turntable > 0 || !o.camera_path.empty() || o.animates))
       return field_error("--legend", figure.legend_file,

@@ -20,7 +20,6 @@ namespace {
 constexpr float kFontShare = 0.024f, kMinFont = 11.0f;  // of the shorter side; pixels
 constexpr float kDigitHeight = 0.73f;                   // of digits, as a fraction of the font size
 constexpr float kMaxFontShare = 1.0f / 14.0f;           // of the shorter side, so that legends do not meet
-constexpr float kMinSide = 84.0f;                       // pixels: letters in a smaller picture cannot be read
 constexpr float kMinShrink = 0.5f;                      // of the letters of a long title
 constexpr float kBarSpace = 9.0f;                       // free space for a colour bar, in sizes of the font
 constexpr float kAxesSpace = 7.5f, kScaleSpace = 3.5f;  // likewise for axes and a scale bar
@@ -68,7 +67,8 @@ std::string log_text(double value, bool scientific) {
   if (value == 0.0) return "0";
   const int exponent = exponent_of(std::abs(value));
   const std::string sign = value < 0.0 ? "\u2212" : "";
-  if (!scientific) return sign + fmt::format("{:.3g}", std::abs(value));
+  const double unit = std::pow(10.0, exponent - 2);
+  if (!scientific) return sign + fmt::format("{:.10g}", std::round(std::abs(value) / unit) * unit);
   const double mantissa = std::abs(value) / std::pow(10.0, exponent);
   const std::string power = power_text(exponent);
   return sign + (std::abs(mantissa - 1.0) < 1e-3 ? power : fmt::format("{:.3g}\u00d7{}", mantissa, power));
@@ -77,7 +77,9 @@ std::string log_text(double value, bool scientific) {
 /// Returns the multiples of `step` in a range.
 std::vector<double> multiples(double low, double high, double step) {
   std::vector<double> all;
-  const double slack = 1e-6 * step;
+  // Ends that are floats may miss a multiple by rounding.
+  const double rounding = 2e-7 * std::max(std::abs(low), std::abs(high));
+  const double slack = std::min(std::max(1e-6 * step, rounding), 0.1 * step);
   for (double k = std::ceil((low - slack) / step); k * step <= high + slack; ++k) all.push_back(k * step);
   return all;
 }
@@ -355,7 +357,7 @@ Ticks ticks_of(const ValueColors& values, int max_count) {
   for (double& v : shown) v /= std::pow(10.0, exponent);
   const int decimals = decimals_of(shown);
   for (std::size_t k = 0; k < at.size(); ++k)
-    ticks.all.push_back({double(position_on_scale(values, float(at[k]))),
+    ticks.all.push_back({double(std::clamp(position_on_scale(values, float(at[k])), 0.0f, 1.0f)),
                          linear ? plain_text(shown[k], decimals) : log_text(at[k], scientific)});
   return ticks;
 }
@@ -363,9 +365,6 @@ Ticks ticks_of(const ValueColors& values, int max_count) {
 Result<std::vector<DrawnLayer>> legends_of(const LegendSettings& settings, const Scene& scene, const Camera& camera,
                                            int width, int height) {
   const float side = float(std::min(width, height));
-  if (settings.any() && side < kMinSide)
-    return usage_error("{} x {} pixels are too small for bars and axes: draw at least {:g} on each side", width, height,
-                       kMinSide);
   const Page page{float(width), float(height), font_size_for(settings, side), settings.ink};
   std::vector<DrawnLayer> layers;
   if (settings.color_bar) {

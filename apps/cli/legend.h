@@ -26,6 +26,9 @@ struct LegendSettings {
 /// Returns black or white, whichever is easier to read on a background.
 DrawnColor ink_on(const DrawnColor& background);
 
+/// Min width and height of a picture with legends, pixels: letters in a smaller one cannot be read.
+inline constexpr int kMinLegendSide = 84;
+
 /// Returns the size of the font of a picture, pixels, whose shorter side is `side`.
 float font_size_for(const LegendSettings& settings, float side);
 

@@ -308,7 +308,7 @@ Result<void> apply_sheet_options(RenderOptions& o) {
   }
   const CameraSettings& camera = o.request.camera;
   if (camera.position || camera.focal_point || camera.direction || camera.view_up || camera.index ||
-      camera.azimuth_deg != 0.0f || camera.elevation_deg != 0.0f || camera.zoom != 1.0f)
+      camera.azimuth_deg != 0.0f || camera.elevation_deg != 0.0f || camera.zoom != 1.0f || camera.view_angle_deg)
     return field_error("--views", o.view_names, "{} {} places the camera: leave out its other options");
   if (o.turntable > 0 || !o.camera_path.empty() || o.animates || is_video(o.output) || o.writes_passes() ||
       o.time_s > 0.0 || !o.svg.empty() || o.same_view)

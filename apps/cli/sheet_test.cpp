@@ -118,13 +118,13 @@ TEST_F(Sheet, WrongOptionsAreRefused) {
       {"--views front,back,left,right,top --resolution 32", "too small"},
       {"--views front --camera-view-angle 20", "leave out its other options"},
       {"--views front --look cartoon --svg b.svg", "--svg"},
-      {"--views front --same-view", "--same-view"},
       {"--views front --resolution 4000 --memory 20M", "--memory"},
   };
   for (const auto& [words, sentence] : cases) bad(std::string("box.obj -o out.png ") + words, 2, {sentence});
 }
 
 TEST_F(Sheet, HasTheBackgroundOfAStyle) {
+  bad("box.obj --views front --same-view -o {stem}.png", 2, {"--same-view"});
   bad("box.obj --views front -o out.exr", 2, {".png, .svg or .pdf"});
   good("box.obj --look cartoon --views front,top --style dark --resolution 400x300 -o out.svg");
   ASSERT_EQ(std::system(fmt::format("cd {} && rsvg-convert out.svg -o svg.png", quoted(folder_.string())).c_str()), 0);

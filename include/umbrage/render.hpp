@@ -149,6 +149,7 @@ inline void set_all(const RenderRequest& r, Setter& set) {
   set("color_bands", r.color_bands);
   set("missing_color", r.missing_color);
   set("sections", r.sections);
+  set("explode", r.explode);
   set("key", r.key);
   set("fill", r.fill);
   set("rim", r.rim);

@@ -127,6 +127,7 @@ struct RenderRequest {
   std::optional<std::array<float, 3>> missing_color{};  ///< sRGB, 0 to 1: of what has no value
   /// Planes that cut the model, separated by spaces: "x=0.4", "y=50%", "z<0.4" (what stays), "nx,ny,nz,d"; empty: none.
   std::string sections{};
+  float explode = 0.0f;                ///< percent by which the parts of the model move away from its centre; 0 to 1000
   std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: chosen by the look
   std::optional<int> anti_aliasing{};  ///< number of averaged pictures, 1 to 256; default: chosen by quality or look
   /// "0.3" scene units, or "5%" of the bounding-sphere radius; empty: chosen by the technique.

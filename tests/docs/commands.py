@@ -21,7 +21,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = ["README.md", "CONTRIBUTING.md", "docs/**/*.md", "effects/*/README.md", "reference/README.md"]
 TIMEOUT_S = 120
 
-CONFIG = """resolution = 96,64
+CONFIG = """resolution = 128,96
 [compare]
 samples = 2
 runs = 1
@@ -42,7 +42,7 @@ size = 48
 
 # Values that make a command slow -> values that take the same path faster.
 CAPS = [
-    (r"(--resolution[ =])\d{3,}([x,])\d{3,}", r"\g<1>96\g<2>64"),
+    (r"(--resolution[ =])\d{3,}([x,])\d{3,}", r"\g<1>128\g<2>96"),
     (r"(--resolution[ =])\d{3,}(?![\dx,])", r"\g<1>64"),
     (r"^((?!umbrage tune).*--time[ =])[\d.]+", r"\g<1>0.1"),
     (r"(--samples[ =])\d+", r"\g<1>2"),
