@@ -105,8 +105,9 @@ class XmlFile {
     return 0;
   }
 
-  /// Returns the bytes of an array without their header, inflated if they are compressed.
-  std::string content(std::string_view text, bool is_base64, const std::string& name) {
+  /// Returns the bytes of an array without their header, inflated if they are compressed. `max_size`: what they may
+  /// take.
+  std::string content(std::string_view text, bool is_base64, const std::string& name, double max_size) {
     const auto failed = [&](const char* how) {
       report_.fail("its array '{}' is {}", name, how);
       return std::string();
@@ -138,6 +139,7 @@ class XmlFile {
     if (double(all.size()) < taken) return failed("cut short");
     constexpr double kMaxRatio = 1100.0;  // zlib's is 1032
     const double size = double(blocks - 1) * header[1] + (header[2] > 0.0 ? header[2] : header[1]);
+    if (size > max_size) return failed("larger than its number of values");
     if (size > kMaxRatio * taken) return failed("damaged: its blocks are too large for their compressed size");
     raise_limits_by(size);
     std::string out;
@@ -160,6 +162,8 @@ class XmlFile {
     const std::string name = printable(array.attribute("Name").value()), format = array.attribute("format").value();
     const auto type = type_named(array.attribute("type").value());
     if (!type) report_.fail("its array '{}' is of type '{}'", name, printable(array.attribute("type").value()));
+    constexpr double kMaxBytes = 8.0;  // of a number
+    const double max_size = count ? kMaxBytes * double(*count) : std::numeric_limits<double>::infinity();
     if (format == "ascii") {
       std::string_view text = array.child_value();
       append_text_numbers(text, std::numeric_limits<std::size_t>::max(), out);
@@ -167,12 +171,13 @@ class XmlFile {
       if (!text.empty())
         report_.fail("its array '{}' has '{}' in the place of a number", name, printable(text.substr(0, 24)));
     } else if (format == "binary") {
-      if (type) append_numbers(content(array.child_value(), true, name), *type, is_big_endian_, out);
+      if (type) append_numbers(content(array.child_value(), true, name, max_size), *type, is_big_endian_, out);
     } else if (format == "appended") {
       const unsigned long long offset = array.attribute("offset").as_ullong(appended_.size());
       if (offset > appended_.size()) report_.fail("its array '{}' begins beyond the end of the file", name);
       if (report_.failed()) return out;
-      append_numbers(content(appended_.substr(offset), is_appended_base64_, name), *type, is_big_endian_, out);
+      append_numbers(content(appended_.substr(offset), is_appended_base64_, name, max_size), *type, is_big_endian_,
+                     out);
     } else {
       report_.fail("its array '{}' has the format '{}', not ascii, binary or appended", name, printable(format));
     }

@@ -246,6 +246,10 @@ Result<void> complete_scene(Scene& scene, const Recipe& recipe) {
     uncut.sections.planes.clear();
     if (auto completed = complete_scene(*start, uncut); !completed) return completed;
     scene.value_colors = start->value_colors;  // one range for all times
+    // Those about the range, which is found for the start alone.
+    const auto& known = scene.start->warnings;
+    scene.warnings.insert(scene.warnings.end(), start->warnings.begin() + std::ptrdiff_t(known.size()),
+                          start->warnings.end());
     scene.start = std::move(start);
   }
   if (recipe.values)

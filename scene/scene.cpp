@@ -112,22 +112,28 @@ void explode(float fraction, Scene& scene) {
     glm::vec3 low{kFar}, high{-kFar};
     void add(const glm::vec3& p, float radius) { low = glm::min(low, p - radius), high = glm::max(high, p + radius); }
   };
-  const auto add = [](const Mesh& mesh, Box& box) {
-    for (std::size_t k = 0; k < mesh.positions.size(); ++k)
-      box.add(mesh.positions[k], mesh.radii.empty() ? 0.0f : mesh.radii[k]);
-  };
   std::map<int, Box> boxes;  // by object
-  for (const Mesh& mesh : scene.meshes) add(mesh, boxes[mesh.object]);
+  for (const Mesh& mesh : scene.meshes)
+    for (const glm::vec3& p : mesh.positions) boxes[mesh.object].add(p, 0.0f);
   if (boxes.size() < 2) scene.warnings.push_back("`explode` does nothing: the model is one part");
   const glm::vec3 center = scene.center();
+  // Vertices outside of the bounds are strays, which do not count.
+  const glm::vec3 low = scene.bounds_min, high = scene.bounds_max;
   Box all;
   for (Mesh& mesh : scene.meshes) {
     const Box& box = boxes[mesh.object];
     const glm::vec3 shift = fraction * (0.5f * (box.low + box.high) - center);
-    for (glm::vec3& p : mesh.positions) p += shift;
-    add(mesh, all);
+    for (std::size_t k = 0; k < mesh.positions.size(); ++k) {
+      glm::vec3& p = mesh.positions[k];
+      const bool counts = glm::clamp(p, low, high) == p;
+      p += shift;
+      if (counts) all.add(p, mesh.radii.empty() ? 0.0f : mesh.radii[k]);
+    }
   }
-  scene.bounds_min = all.low, scene.bounds_max = all.high;
+  if (all.low.x <= all.high.x) scene.bounds_min = all.low, scene.bounds_max = all.high;
+  std::vector<glm::vec3> motion = scene.motion;
+  for (glm::vec3& p : motion) p += fraction * (p - center);
+  set_motion(std::move(motion), scene);
   scene.shape_facts = std::make_shared<ShapeFacts>();
 }
 

@@ -157,8 +157,10 @@ Result<std::vector<SectionPlane>> parse_sections(const std::string& text) {
 }
 
 std::string key_of(const SectionSettings& settings) {
-  std::string key = fmt::format(" sections {}", settings.hatched);
-  for (const SectionPlane& plane : settings.planes) key += " " + plane.text;
+  std::string key = fmt::format(" sections {} {}", settings.hatched, settings.is_blank);
+  for (const SectionPlane& plane : settings.planes)
+    key += fmt::format(" {} {} {} {} {} {}", plane.normal.x, plane.normal.y, plane.normal.z, plane.offset,
+                       plane.is_fraction, int(plane.kept));
   if (settings.tint) key += fmt::format(" {} {} {}", settings.tint->r, settings.tint->g, settings.tint->b);
   return key;
 }

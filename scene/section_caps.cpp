@@ -151,7 +151,9 @@ std::pair<std::size_t, bool> close_gaps(const std::vector<glm::vec3>& positions,
   float longest = 0.0f;
   for (const std::uint32_t k : ends) longest = std::max(longest, chains.size(k));
   std::size_t left = ends.size(), added = 0;
-  for (const auto& [d, pair] : near_pairs(positions, ends, std::max(crack, kMaxGap * longest))) {
+  constexpr std::size_t kMaxEnds = 4000;  // with more, the part is no solid, and all pairs take too much memory
+  const float tolerance = ends.size() > kMaxEnds ? crack : std::max(crack, kMaxGap * longest);
+  for (const auto& [d, pair] : near_pairs(positions, ends, tolerance)) {
     const auto [a, b] = pair;
     if (missing[a] == 0 || missing[b] == 0 || (directed && (missing[a] > 0) == (missing[b] > 0))) continue;
     if (d > crack && (chains.root(a) != chains.root(b) || d > kMaxGap * chains.size(a))) continue;

@@ -89,6 +89,8 @@ Result<void> apply_figure_options(RenderOptions& o) {
   if (legend.length_unit.empty() && !o.models.empty()) legend.length_unit = units_of(import_format(o.models[0]));
   if (!legend.title.empty() && !legend.color_bar)
     return field_error("--color-bar-title", legend.title, "{} '{}' needs --color-bar");
+  if (command_line.find("--length-unit") != std::string::npos && !legend.scale_bar && o.view_names.empty())
+    return field_error("--length-unit", legend.length_unit, "{} '{}' needs --scale-bar or --views");
   if (!legend.any() && !figure.legend_file.empty())
     return field_error("--legend", figure.legend_file, "{} '{}' needs --color-bar, --scale-bar or --axes");
   if (legend.color_bar && o.request.color_by.empty())
@@ -105,10 +107,13 @@ Result<void> apply_figure_options(RenderOptions& o) {
                          "{} cannot be '{}': it takes a file whose name ends in .png, .svg or .pdf");
     if (auto writable = check_writable(figure.legend_file); !writable)
       return with_field(writable.error(), "--legend", figure.legend_file);
-    std::error_code ignored;
-    if (std::filesystem::absolute(figure.legend_file, ignored).lexically_normal() ==
-        std::filesystem::absolute(o.output, ignored).lexically_normal())
-      return field_error("--legend", figure.legend_file, "{} '{}' is the picture itself: give another name");
+    const auto path_of = [](const std::string& file) {
+      std::error_code unknown;
+      return std::filesystem::absolute(file, unknown).lexically_normal();
+    };
+    for (const std::string& other : {o.output, o.svg})
+      if (!other.empty() && path_of(figure.legend_file) == path_of(other))
+        return field_error("--legend", figure.legend_file, "{} '{}' is the picture itself: give another name");
     if (legend.axes && (o.turntable > 0 || !o.camera_path.empty() || o.animates))
       return field_error("--legend", figure.legend_file,
                          "{} '{}' is one file, and --axes change with --turntable, --camera-path and --animate");

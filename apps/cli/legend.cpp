@@ -12,18 +12,19 @@
 
 #include "apps/cli/page.h"
 #include "core/color.h"
+#include "core/printable.h"
 #include "scene/value_colors.h"
 
 namespace umbrage::cli {
 namespace {
 
-constexpr float kFontShare = 0.024f, kMinFont = 11.0f;  // of the shorter side; pixels
-constexpr float kDigitHeight = 0.73f;                   // of digits, as a fraction of the font size
-constexpr float kMaxFontShare = 1.0f / 14.0f;           // of the shorter side, so that legends do not meet
-constexpr float kMinShrink = 0.5f;                      // of the letters of a long title
-constexpr float kBarSpace = 9.0f;                       // free space for a colour bar, in sizes of the font
-constexpr float kAxesSpace = 7.5f, kScaleSpace = 3.5f;  // likewise for axes and a scale bar
-constexpr int kBarColors = 512;                         // max number of colours of a continuous bar
+constexpr float kFontFraction = 0.024f, kMinFont = 11.0f;  // of the shorter side; pixels
+constexpr float kDigitHeight = 0.73f;                      // of digits, as a fraction of the font size
+constexpr float kMaxFontFraction = 1.0f / 14.0f;           // of the shorter side, so that legends do not meet
+constexpr float kMinShrink = 0.5f;                         // of the letters of a long title
+constexpr float kBarSpace = 9.0f;                          // free space for a colour bar, in sizes of the font
+constexpr float kAxesSpace = 7.5f, kScaleSpace = 3.5f;     // likewise for axes and a scale bar
+constexpr int kBarColors = 512;                            // max number of colours of a continuous bar
 
 /// Positions in a picture follow from the size of its font.
 struct Page {
@@ -194,7 +195,7 @@ Result<DrawnLayer> color_bar(const LegendSettings& settings, const ValueColors& 
     if (!wide) return wide.error();
     labels = std::max(labels, *wide - 0.4f * page.font);
   }
-  const std::string title = settings.title.empty() ? values.name : settings.title;
+  const std::string title = printable(settings.title.empty() ? values.name : settings.title);
   const auto title_width = text_width(title, page.font);
   if (!title_width) return title_width.error();
   const float right = page.width - page.margin(), top = std::max(kTop * page.height, 3.0f * page.font);
@@ -240,7 +241,7 @@ Result<DrawnLayer> color_bar(const LegendSettings& settings, const ValueColors& 
 
 Result<DrawnLayer> scale_bar(const LegendSettings& settings, const Scene& scene, const Camera& camera,
                              const Page& page) {
-  constexpr float kMaxShare = 0.22f;  // of the picture's width
+  constexpr float kMaxFraction = 0.22f;  // of the picture's width
   double per_pixel = double(camera.right - camera.left) / double(page.width);
   if (camera.projection == Projection::kPerspective) {
     const float depth = -(camera.view_from_world * glm::vec4(scene.center(), 1.0f)).z;
@@ -249,7 +250,7 @@ Result<DrawnLayer> scale_bar(const LegendSettings& settings, const Scene& scene,
                          "{0} needs the centre of the model in front of the camera: give --camera-orthographic");
     per_pixel *= double(depth);
   }
-  const double length = round_length(double(kMaxShare * page.width) * per_pixel);
+  const double length = round_length(double(kMaxFraction * page.width) * per_pixel);
   const float pixels = float(length / per_pixel), right = page.width - page.margin(), left = right - pixels;
   const float y = page.height - page.margin() - 0.35f * page.font, end = 0.35f * page.font;
   DrawnLayer layer{.name = "scale-bar", .object = -1, .opacity = 1.0f, .shapes = {}};
@@ -284,7 +285,7 @@ DrawnLayer axes(const Camera& camera, const Page& page) {
     const float dx = v.x, dy = -v.y, seen = std::hypot(dx, dy), length = kLength * page.font;
     const DrawnColor color = kColors[axis];
     if (seen < 0.02f) {  // it points at the camera or away from it
-      DrawnPath dot{.x = x0, .y = y0, .segments = {}, .stroke = color, .width = 4.0f * page.line()};
+      DrawnPath dot{.x = x0, .y = y0, .segments = {{x0, y0}}, .stroke = color, .width = 4.0f * page.line()};
       layer.shapes.emplace_back(std::move(dot));
       continue;
     }
@@ -322,8 +323,8 @@ DrawnColor ink_on(const DrawnColor& background) {
 }
 
 float font_size_for(const LegendSettings& settings, float side) {
-  return std::min(settings.font_size > 0.0f ? settings.font_size : std::max(kMinFont, kFontShare * side),
-                  kMaxFontShare * side);
+  return std::min(settings.font_size > 0.0f ? settings.font_size : std::max(kMinFont, kFontFraction * side),
+                  kMaxFontFraction * side);
 }
 
 glm::vec2 legend_space(const LegendSettings& settings, int width, int height) {

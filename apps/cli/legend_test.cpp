@@ -197,6 +197,24 @@ TEST_F(Figure, LinesHaveLegends) {
   EXPECT_NE(bytes("b.svg").find("id=\"axes\""), std::string::npos);
 }
 
+TEST_F(Figure, ModelsLeaveRoomForLegends) {
+  const std::string line = "tri.obj --resolution 300x300 --look cartoon --camera-orthographic -o ";
+  const auto lowest = [&] {
+    EXPECT_EQ(
+        std::system(fmt::format("cd {} && rsvg-convert a.svg -b white -o a.png", quoted(folder_.string())).c_str()), 0);
+    const Image page = image("a.png");
+    int row = 0;
+    for (int y = 0; y < page.height; ++y)
+      for (int x = 150; x < 200; ++x)  // beside the axes
+        if (page.plane("color.g").at(x, y) < 0.5f) row = y;
+    return row;
+  };
+  good(line + "a.svg");
+  const int without = lowest();
+  good(line + "a.svg --axes");
+  EXPECT_LT(lowest(), without - 20);
+}
+
 TEST_F(Figure, LegendsHaveAFileOfTheirOwn) {
   const std::string line = "values.ply --resolution 96x96 --color-by p ";
   good(line + "-o plain.png");
@@ -237,6 +255,7 @@ TEST_F(Figure, WrongOptionsAreRefused) {
       {"--dpi 0", "--dpi"},
       {"--axes --resolution 80", "at least 84"},
       {"--axes --legend ./out.png", "the picture itself"},
+      {"--length-unit mm", "--scale-bar or --views"},
       {"--axes --legend a.png --turntable 3", "--turntable"},
   };
   for (const auto& [words, sentence] : cases) bad(std::string("values.ply -o out.png ") + words, 2, {sentence});

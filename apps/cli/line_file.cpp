@@ -36,7 +36,8 @@ bool holds_picture(const RenderOptions& o) {
 
 void choose_line_look(RenderOptions& o) {
   constexpr const char* kLineLook = "cartoon";
-  if (is_page(o.output) && !o.is_given("look") && o.request.color_by.empty()) o.request.look = kLineLook;
+  if (is_page(o.output) && !o.is_given("look") && (is_dxf(o.output) || o.request.color_by.empty()))
+    o.request.look = kLineLook;
 }
 
 Result<LineFile> line_file_of(const RenderOptions& o, int frames) {

@@ -75,7 +75,6 @@ void add_outline(cairo_t* c, const DrawnPath& path) {
       add_arc(c, to);
     else
       cairo_line_to(c, to.x, to.y);
-  if (path.segments.empty()) cairo_line_to(c, path.x, path.y);  // a dot
   if (path.closed) cairo_close_path(c);
   for (const DrawnPath& hole : path.holes) add_outline(c, hole);
 }
@@ -119,11 +118,11 @@ double width_of(cairo_t* c, const std::string& text) {
 void draw(cairo_t* c, const DrawnText& text) {
   if (!font()) return;
   set_font(c, text.size);
-  const double share = text.anchor == TextAnchor::kStart ? 0.0 : text.anchor == TextAnchor::kMiddle ? 0.5 : 1.0;
+  const double before = text.anchor == TextAnchor::kStart ? 0.0 : text.anchor == TextAnchor::kMiddle ? 0.5 : 1.0;
   cairo_save(c);
   cairo_translate(c, text.x, text.y);
   if (text.upwards) cairo_rotate(c, -0.5 * std::numbers::pi);
-  cairo_move_to(c, -share * width_of(c, text.text), 0.0);
+  cairo_move_to(c, -before * width_of(c, text.text), 0.0);
   set_color(c, text.color);
   cairo_show_text(c, text.text.c_str());
   cairo_restore(c);

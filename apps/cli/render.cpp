@@ -165,6 +165,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
     disable_unused_effects(job.lines.params, of_lines);
     auto alone = make_recipe(of_lines, kMaxStripPixels);
     if (!alone) return alone.error();
+    alone->framing.free_space = job.recipe.framing.free_space;
     job.recipe = std::move(*alone);
   }
   const bool has_passes = !job.recipe.passes.empty();

@@ -25,7 +25,7 @@ namespace {
 
 constexpr int kPadding = 4;                           // pixels around a view, for lines on its outline
 constexpr float kMargin = 2.0f, kGap = 2.2f;          // around the page and between views, in sizes of the font
-constexpr float kMaxFontShare = 0.05f;                // of the shorter side of the page
+constexpr float kMaxFontFraction = 0.05f;             // of the shorter side of the page
 constexpr float kLabel = 1.6f;                        // of the name below a view, in sizes of the font
 constexpr float kBarSpace = 9.0f, kNoteSpace = 2.5f;  // of a colour bar, and of the line with the scale, likewise
 
@@ -95,7 +95,7 @@ SheetSettings settings_of(const RenderOptions& o) {
   return {.first_angle = o.projection == "first",
           .width = o.request.width,
           .height = o.request.height,
-          .font = std::min(font_size_for(o.figure.legend, side), kMaxFontShare * side),
+          .font = std::min(font_size_for(o.figure.legend, side), kMaxFontFraction * side),
           .mm_per_pixel = o.figure.dpi > 0.0 ? double(o.figure.mm_per_pixel()) : 0.0,
           .mm_per_unit = mm_of(o.figure.legend.length_unit)};
 }

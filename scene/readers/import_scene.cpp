@@ -98,7 +98,10 @@ void make_printable(Scene& scene) {
   clean(scene.name);
   for (std::vector<std::string>* texts : {&scene.scene_names, &scene.animation_names, &scene.warnings})
     std::for_each(texts->begin(), texts->end(), clean);
-  for (Mesh& mesh : scene.meshes) clean(mesh.name);
+  for (Mesh& mesh : scene.meshes) {
+    clean(mesh.name);
+    for (Field& field : mesh.fields) clean(field.name);
+  }
   for (Texture& texture : scene.textures) clean(texture.name);
   for (View& camera : scene.cameras) clean(camera.name);
   for (Material& material : scene.materials) {
