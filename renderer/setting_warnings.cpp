@@ -140,7 +140,7 @@ void warn_about_lights(const Request& request, const Recipe& recipe, const Scene
 void warn_about_values(const Request& request, const std::function<bool(std::string_view setting)>& is_reported,
                        std::vector<std::string>& sentences) {
   Request given = request;
-  const Request defaults;
+  Request defaults;
   for (const Option& option : options()) {
     if (option.group != "Values" || !is_reported(option.option)) continue;
     const bool is_set = std::visit(
@@ -148,7 +148,7 @@ void warn_about_values(const Request& request, const std::function<bool(std::str
           if constexpr (std::is_same_v<decltype(of), std::monostate>)
             return false;
           else
-            return of(given) != of(const_cast<Request&>(defaults));
+            return of(given) != of(defaults);
         },
         option.where);
     if (is_set)

@@ -57,16 +57,8 @@ float sum_of(const Tracks& tracks) {
 
 /// Returns the largest scale of ISO 5455 that is at most `max`, which is above 0, and its text.
 std::pair<double, std::string> standard_scale(double max) {
-  constexpr double kSlack = 1.0 + 1e-9;
-  if (max * kSlack >= 1.0) {
-    const double scale = round_length(max * kSlack);
-    return {scale, fmt::format("{:g}:1", scale)};
-  }
-  // The smallest of 1, 2 and 5 times a power of ten that is at least the inverse.
-  const double inverse = 1.0 / max, power = std::pow(10.0, std::floor(std::log10(inverse) + 1e-9));
-  for (const double factor : {1.0, 2.0, 5.0, 10.0})
-    if (factor * power * kSlack >= inverse) return {1.0 / (factor * power), fmt::format("1:{:g}", factor * power)};
-  return {max, ""};
+  const double scale = round_length(max * (1.0 + 1e-9));  // the inverse of a round number is one, too
+  return {scale, scale >= 1.0 ? fmt::format("{:g}:1", scale) : fmt::format("1:{:g}", 1.0 / scale)};
 }
 
 /// Returns the length of a unit in mm, or 0 if it is not known.

@@ -14,7 +14,6 @@
 
 namespace umbrage::view {
 namespace {
-
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kWatchInterval(500);
@@ -25,7 +24,6 @@ constexpr std::chrono::milliseconds kStatusDelay(500);     // without a picture,
 constexpr double kSettingFrame_ms = 70.0;                  // max time of moving pictures while only settings change
 constexpr const char* kStill = " settings";                // of the key of such pictures
 constexpr int kTurnGrowth = 4;  // factor of the number of samples per turn of a view, which begins with the first one
-
 }  // namespace
 
 Result<std::unique_ptr<Drawing>> Drawing::start(DrawingSettings settings, Send send) {
@@ -178,13 +176,12 @@ void Drawing::draw_until(std::unique_lock<std::mutex>& lock, const std::function
       return fmt::format("a picture of {} x {} pixels", task->state->width, task->state->height);
     };
     const auto status = guarded(purpose, [&] { return perform(*task); });
-    const auto finished = guarded(purpose, [&] { return finish(*task, status), Result<void>(); });
-    static_cast<void>(finished);  // an error text is lost for lack of memory
+    // An error text is lost for lack of memory.
+    static_cast<void>(guarded(purpose, [&] { return finish(*task, status), Result<void>(); }));
     ++drawn_;
     lock.lock();
     if (task->step <= Step::kMoving || next_task()) continue;
-    // The pictures have come to rest: free memory would stay resident until the next move.
-    lock.unlock();
+    lock.unlock();  // the pictures have come to rest: free memory would stay resident until the next move
     for (auto& [key, device] : devices_) device.kept.reset();
     release_free_memory();
     lock.lock();
@@ -242,8 +239,7 @@ Result<DrawingDevice*> Drawing::device_of(const Task& task) {
 Result<void> Drawing::perform(const Task& task) {
   const State& state = *task.state;
   if (!models_.has(state.model)) return usage_error("there is no model {}", state.model);
-  const bool is_gbuffer = models_.source(state.model).is_gbuffer;
-  const auto request = request_of(task.shown(), state.width, state.height, is_gbuffer);
+  const auto request = request_of(task.shown(), state.width, state.height, models_.source(state.model).is_gbuffer);
   if (!request) return request.error();
   const auto loaded = load(task, *request);
   if (!loaded) return loaded.error();
@@ -331,8 +327,8 @@ std::pair<int, int> Drawing::moving_size(const Task& task, const std::string& ke
   if (!keeps_captures || control_.expected_ms(key + kStill, width, height) == 0.0)
     return keeps_captures ? moving_size_ : control_.size(key, width, height);
   const auto size = control_.size(key + kStill, width, height);
-  const bool is_larger = size.first > moving_size_.first;
-  return is_larger && control_.expected_ms(key, size.first, size.second) > kSettingFrame_ms ? moving_size_ : size;
+  if (size.first <= moving_size_.first) return size;
+  return control_.expected_ms(key, size.first, size.second) > kSettingFrame_ms ? moving_size_ : size;
 }
 
 Result<void> Drawing::draw(const Task& task, ViewModel& model, DrawingDevice& device, const Request& request) {
@@ -377,8 +373,8 @@ Result<void> Drawing::draw_error(const Task& task, ViewModel& model, DrawingDevi
   const std::string key = control_key(task, request);
   Request sized = request;
   const Step limit = task.step == Step::kRefined ? Step::kRefined : Step::kMoving;
-  const double aspect = double(request.width) / request.height;
-  DrawControl control{.moving = is_moving, .aspect = aspect, .monitor = monitor_of(task, limit)};
+  DrawControl control{.moving = is_moving, .monitor = monitor_of(task, limit)};
+  control.aspect = double(request.width) / request.height;
   // While only settings change, the ground truth of this camera and size stays as it is.
   if (is_moving) std::tie(sized.width, sized.height) = moving_size(task, key);
   remember_draft(task, is_moving ? std::pair(sized.width, sized.height) : moving_size_);
