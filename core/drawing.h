@@ -5,12 +5,16 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 namespace umbrage {
 
 using DrawnColor = std::array<float, 3>;
+
+inline constexpr float kMmPerCssPixel = 25.4f / 96.0f;          ///< 96 pixels of a screen are an inch
+inline constexpr std::string_view kFontFamily = "DejaVu Sans";  ///< of all texts; in SVG sans-serif where it is missing
 
 /// A part of a path, from the end of the part before it.
 struct DrawnSegment {
@@ -64,7 +68,7 @@ struct DrawnLayer {
 
 struct Drawing {
   float width = 0.0f, height = 0.0f;
-  float mm_per_unit = 25.4f / 96.0f;  ///< physical size; by default that of a CSS pixel
+  float mm_per_unit = kMmPerCssPixel;  ///< physical size
   std::optional<DrawnColor> background;
   std::vector<DrawnLayer> layers;
 };

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "importer/fbx_file.h"
 #include "importer/common/placed_mesh.h"
+#include "importer/fbx_file.h"
 #include "scene/scene.h"
 
 namespace umbrage {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "importer/common/placed_mesh.h"
 #include "importer/gltf_accessor.h"
 #include "importer/gltf_file.h"
-#include "importer/common/placed_mesh.h"
 #include "scene/scene.h"
 
 namespace umbrage {

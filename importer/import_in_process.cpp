@@ -26,8 +26,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "importer/import_materials.h"
 #include "importer/common/placed_mesh.h"
+#include "importer/import_materials.h"
 #include "importer/readers.h"
 #include "scene/readers/content.h"
 #include "scene/readers/import_parts.h"

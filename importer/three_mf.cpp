@@ -17,8 +17,8 @@
 #include <set>
 #include <unordered_map>
 
-#include "importer/importer.h"
 #include "importer/common/placed_mesh.h"
+#include "importer/importer.h"
 #include "importer/three_mf_parts.h"
 #include "scene/readers/texture_file.h"
 #include "scene/readers/vertex_colors.h"

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "archives.h"
+#include "core/base64.h"
 #include "file_folder.h"
 #include "importer/importer.h"
 #include "importer/readers.h"
@@ -291,17 +292,6 @@ TEST_F(VtkTest, NormalsAndColors) {
 }
 
 // ---- XML
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63u] : '=';
-  }
-  return out;
-}
 
 /// How an XML file stores its arrays.
 struct Encoding {

@@ -8,14 +8,13 @@
 #include <set>
 #include <utility>
 
+#include "core/base64.h"
 #include "io/format.h"
 
 namespace umbrage {
 namespace {
 
 constexpr float kMaxMagnitudeInSvg = 1e9f;          // of numbers
-constexpr float kMmPerCssPixel = 25.4f / 96.0f;     // 96 pixels are an inch
-constexpr const char* kSvgFont = "DejaVu Sans";     // sans-serif where it is missing
 constexpr DrawnColor kSvgInk = {0.0f, 0.0f, 0.0f};  // of lines without a colour
 
 /// Clamps to [0, 1]; NaN becomes 0.
@@ -119,7 +118,7 @@ class SvgWriter {
     write(
         "<text x=\"{0}\" y=\"{1}\" font-family=\"{2}, sans-serif\" font-size=\"{3}\" text-anchor=\"{4}\" fill=\"{5}\" "
         "stroke=\"none\"",
-        number(t.x), number(t.y), kSvgFont, length(t.size), kAnchors[int(t.anchor)], hex_of(t.color));
+        number(t.x), number(t.y), kFontFamily, length(t.size), kAnchors[int(t.anchor)], hex_of(t.color));
     if (t.upwards) write(" transform=\"rotate(-90 {} {})\"", number(t.x), number(t.y));
     write(">{}</text>\n", xml(t.text));
   }
@@ -141,18 +140,7 @@ class SvgWriter {
         "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" "
         "href=\"data:image/png;base64,",
         number(image.x), number(image.y), number(image.width), number(image.height));
-    add_base64(*png);
-    text += "\"/>\n";
-  }
-
-  void add_base64(const std::string& bytes) {
-    constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (std::size_t k = 0; k < bytes.size(); k += 3) {
-      unsigned group = 0;
-      for (std::size_t i = 0; i < 3; ++i)
-        group = group << 8 | (k + i < bytes.size() ? static_cast<unsigned char>(bytes[k + i]) : 0u);
-      for (std::size_t i = 0; i < 4; ++i) text += k + i > bytes.size() ? '=' : kDigits[group >> (18 - 6 * i) & 63];
-    }
+    text += base64(*png) + "\"/>\n";
   }
 
   std::set<std::string> ids_;

@@ -17,7 +17,7 @@
 namespace umbrage::cli {
 namespace {
 
-constexpr double kMmPerInch = 25.4, kScreenDpi = 96.0, kPrintDpi = 300.0;
+constexpr double kMmPerInch = 25.4, kPrintDpi = 300.0;
 constexpr double kMaxMm = 5000.0;
 
 /// Sets the size of the picture in pixels. Errors: kUsage.
@@ -47,7 +47,7 @@ Result<void> apply_print_size(RenderOptions& o) {
 
 }  // namespace
 
-float FigureOptions::mm_per_pixel() const { return float(kMmPerInch / (dpi > 0.0 ? dpi : kScreenDpi)); }
+float FigureOptions::mm_per_pixel() const { return dpi > 0.0 ? float(kMmPerInch / dpi) : kMmPerCssPixel; }
 
 void add_figure_options(CLI::App& command, FigureOptions& options) {
   const auto group = "Figure";

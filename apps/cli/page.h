@@ -12,9 +12,6 @@
 
 namespace umbrage::cli {
 
-/// The family of the font of all texts, as SVG files name it.
-inline constexpr std::string_view kFontFamily = "DejaVu Sans";
-
 /// Returns the width of a text, in the unit of `size`. Errors: kFile if the font is not installed.
 Result<float> text_width(std::string_view text, float size);
 

@@ -23,11 +23,11 @@
 namespace umbrage::cli {
 namespace {
 
-constexpr int kPadding = 4;                           // pixels around a view, for lines on its outline
-constexpr float kMargin = 2.0f, kGap = 2.2f;          // around the page and between views, in sizes of the font
-constexpr float kMaxFontFraction = 0.05f;             // of the shorter side of the page
-constexpr float kLabel = 1.6f;                        // of the name below a view, in sizes of the font
-constexpr float kBarSpace = 9.0f, kNoteSpace = 2.5f;  // of a colour bar, and of the line with the scale, likewise
+constexpr int kPadding = 4;                   // pixels around a view, for lines on its outline
+constexpr float kMargin = 2.0f, kGap = 2.2f;  // around the page and between views, in sizes of the font
+constexpr float kMaxFontFraction = 0.05f;     // of the shorter side of the page
+constexpr float kLabel = 1.6f;                // of the name below a view, in sizes of the font
+constexpr float kNoteSpace = 2.5f;            // of the line with the scale, likewise
 
 /// Sets the extent of the model in a view, relative to the centre of the scene.
 SheetLayout::Cell extent_of(const Scene& scene, const NamedView& view) {
@@ -328,7 +328,8 @@ Result<void> draw_sheet(const RenderOptions& o, const RenderJob& job, Device& de
   const std::vector<NamedView> views = views_of(o, scene.up);
   const SheetSettings settings = settings_of(o);
   SheetSettings room = settings;
-  if (o.figure.legend.color_bar && o.figure.legend_file.empty()) room.width -= int(kBarSpace * settings.font);
+  if (o.figure.legend.color_bar && o.figure.legend_file.empty())
+    room.width -= int(legend_space(o.figure.legend, room.width, room.height).x * float(room.width));
   const auto layout = layout_of(scene, views, room);
   if (!layout) return layout.error();
   const auto plan = make_plan(job.recipe, scene, device.threads());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/base64.h"
 #include "core/check.h"
 #include "core/color.h"
 #include "core/version.h"
@@ -21,18 +22,6 @@ constexpr std::string_view kDataPlaceholder = "/*UMBRAGE-DATA*/";
 
 nlohmann::json number_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
-}
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0u);
-    for (int k = 0; k < 4; ++k) out += i + std::size_t(k) <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63u] : '=';
-  }
-  return out;
 }
 
 /// Returns a picture as the data URL of a PNG: one plane times the exposure, or three planes of linear light, to which

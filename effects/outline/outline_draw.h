@@ -16,7 +16,8 @@ Strokes trace_lines(const HostFrame& frame);
 /// drawn a pixel wide and proportionally lighter.
 void draw_lines(const Strokes& lines, float opacity, const HostPlane& cover);
 
-/// Draws lines, opaque and dashed as they are, over those of the input `outline` of a host step, to its output `outline`.
+/// Draws lines, opaque and dashed as they are, over those of the input `outline` of a host step, to its output
+/// `outline`.
 void add_lines(const Strokes& lines, const HostFrame& frame);
 /// A host step: draws the lines that `trace` returns so.
 template <Strokes (*trace)(const HostFrame&)>

@@ -30,12 +30,13 @@ struct ImportSettings {
   bool file_lights = false;  ///< whether the lights of a glTF file are read; else looks have their own
 };
 
-/// Reads 3DS and DAE through Assimp, PDB through Gemmi, STEP and IGES through OpenCASCADE, OBJ with MTL, glTF/GLB, FBX, PLY, STL, OFF, 3MF, VTK and points
-/// in text form (XYZ, PTS) with readers of our own, and textures through stb_image and libwebp. Applies node transforms,
-/// triangulates faces, drops degenerate triangles and triangles with coordinates that are not finite, and creates
-/// normals where the file has none. PLY, OFF, OBJ and XYZ files without faces, and points of glTF files, become points.
-/// Missing textures cause a warning and a neutral colour. Errors: kFile with one sentence that names the file and the
-/// cause; kUsage for a scene or animation index that the file does not have; kInterrupted.
+/// Reads 3DS and DAE through Assimp, PDB through Gemmi, STEP and IGES through OpenCASCADE, OBJ with MTL, glTF/GLB, FBX,
+/// PLY, STL, OFF, 3MF, VTK and points in text form (XYZ, PTS) with readers of our own, and textures through stb_image
+/// and libwebp. Applies node transforms, triangulates faces, drops degenerate triangles and triangles with coordinates
+/// that are not finite, and creates normals where the file has none. PLY, OFF, OBJ and XYZ files without faces, and
+/// points of glTF files, become points. Missing textures cause a warning and a neutral colour. Errors: kFile with one
+/// sentence that names the file and the cause; kUsage for a scene or animation index that the file does not have;
+/// kInterrupted.
 Result<Scene> import_scene(const std::filesystem::path& file, const ImportSettings& settings = {},
                            const ProgressMonitor& monitor = {});
 

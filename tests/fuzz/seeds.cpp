@@ -12,6 +12,7 @@
 
 #include "../archives.h"
 #include "../layered_files.h"
+#include "core/base64.h"
 #include "io/image_file.h"
 #include "scene/readers/transfer.h"
 
@@ -35,17 +36,6 @@ std::string from_hex(std::string_view digits) {
   for (std::size_t i = 0; i + 1 < digits.size(); i += 2)
     bytes += char(std::stoi(std::string(digits.substr(i, 2)), nullptr, 16));
   return bytes;
-}
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63u] : '=';
-  }
-  return out;
 }
 
 /// Returns the bytes of the file that write_image writes for an image.
