@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace umbrage {
 namespace {
@@ -80,7 +81,7 @@ void spread_triangle_values(Mesh& mesh) {
   for (std::uint32_t corner = 0; corner < corners.size(); ++corner) triangles[corner] = corner / 3;
   for (Field& field : mesh.fields) {
     gather_values(field.on_triangles ? triangles : corners, field);
-    field.on_triangles = false;
+    field.is_spread = std::exchange(field.on_triangles, false);
   }
 }
 

@@ -72,8 +72,8 @@ inline std::array<int*, 4> textures_of(Material& material) {
 struct Field {
   std::string name;    ///< as in the file
   int components = 1;  ///< of each value; at least 1
-  bool on_triangles =
-      false;  ///< a value per triangle, else one per position; such fields exist only before finish_scene
+  bool on_triangles = false;  ///< a value per triangle, else one per position; only before finish_scene
+  bool is_spread = false;     ///< by finish_scene: each triangle has three positions of its own, with one value
   std::vector<float> values;  ///< `components` per value; NaN: missing
 };
 

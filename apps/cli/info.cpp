@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <set>
 
@@ -68,18 +67,6 @@ struct FieldFacts {
   std::size_t values = 0, missing = 0;
 };
 
-/// Returns whether each triangle has vertices of its own and one value, as finish_scene leaves values of faces.
-bool is_on_faces(const Mesh& mesh, const Field& field) {
-  if (mesh.points || mesh.positions.size() != mesh.indices.size()) return false;
-  const auto n = std::size_t(field.components);
-  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
-    for (const std::size_t other : {i + 1, i + 2})
-      if (std::memcmp(&field.values[mesh.indices[i] * n], &field.values[mesh.indices[other] * n], n * sizeof(float)) !=
-          0)
-        return false;
-  return true;
-}
-
 /// Returns the fields of all meshes, by name in the order of their first mesh.
 std::vector<FieldFacts> fields_of(const Scene& scene) {
   std::vector<FieldFacts> all;
@@ -87,11 +74,10 @@ std::vector<FieldFacts> fields_of(const Scene& scene) {
     for (const Field& field : mesh.fields) {
       auto found =
           std::find_if(all.begin(), all.end(), [&](const FieldFacts& each) { return each.name == field.name; });
-      const bool on_faces = is_on_faces(mesh, field);
-      const std::string_view on = on_faces ? "faces" : mesh.points ? "points" : "vertices";
+      const std::string_view on = field.is_spread ? "faces" : mesh.points ? "points" : "vertices";
       if (found == all.end())
         found = all.insert(all.end(), FieldFacts{.name = field.name, .on = on, .components = field.components});
-      for (std::size_t k = 0; k < mesh.positions.size(); k += on_faces ? 3 : 1, ++found->values) {
+      for (std::size_t k = 0; k < mesh.positions.size(); k += field.is_spread ? 3 : 1, ++found->values) {
         const float value = value_of(field, k, std::nullopt);
         found->missing += !std::isfinite(value);
         if (!std::isfinite(value)) continue;

@@ -35,8 +35,8 @@ void list_fields(Archive& archive, Material& material) {
 }
 template <class Archive>
 void list_fields(Archive& archive, Field& field) {
-  auto& [name, components, on_triangles, values] = field;
-  archive(name, components, on_triangles, values);
+  auto& [name, components, on_triangles, is_spread, values] = field;
+  archive(name, components, on_triangles, is_spread, values);
 }
 template <class Archive>
 void list_fields(Archive& archive, Mesh& mesh) {
