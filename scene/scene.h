@@ -70,29 +70,14 @@ inline std::array<int*, 4> textures_of(Material& material) {
 
 /// Values of a file on the vertices or triangles of a mesh, such as a pressure. `--color-by` shows them.
 struct Field {
-  std::string name;    ///< as in the file
-  int components = 1;  ///< of each value; at least 1
+  std::string name;           ///< as in the file
+  int components = 1;         ///< of each value; at least 1
   bool on_triangles = false;  ///< a value per triangle, else one per position; only before finish_scene
   bool is_spread = false;     ///< by finish_scene: each triangle has three positions of its own, with one value
   std::vector<float> values;  ///< `components` per value; NaN: missing
 };
 
-/// How values became the colours of a scene: what a colour bar shows.
-struct ValueColors {
-  enum class Scale {
-    kLinear,
-    kLog,     ///< low > 0
-    kSymlog,  ///< logarithmic on both sides of 0, and linear between -linear_threshold and linear_threshold
-  };
-  std::string name;  ///< of the field, with its component: "velocity.x"
-  float low = 0.0f, high = 1.0f;
-  Scale scale = Scale::kLinear;
-  float linear_threshold = 0.0f;             ///< of kSymlog, > 0
-  std::vector<std::array<float, 3>> colors;  ///< sRGB, 0 to 1, evenly spaced on the scale from low to high
-  bool bands = false;                        ///< each colour fills an interval of its own; else they are interpolated
-  std::array<float, 3> missing{};            ///< sRGB: colour of values that are missing or not finite
-  std::size_t missing_count = 0;             ///< number of such values
-};
+struct ValueColors;
 
 /// An indexed triangle mesh with one material, or a set of points.
 struct Mesh {

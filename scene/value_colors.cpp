@@ -91,24 +91,16 @@ void widen(bool logarithmic, float& low, float& high) {
 std::uint8_t byte_of_color(float v) { return std::uint8_t(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f); }
 
 /// Returns a texture with one colour after the other.
-Texture texture_of_colors(const ValueColors& colors, const ColorMap& map) {
-  const int width = colors.bands ? int(colors.colors.size()) : kSteadyColors;
-  Texture texture{.name = map.name, .width = width, .height = 1, .rgba = {}};
-  texture.nearest = colors.bands;
+Texture texture_of_colors(const ValueColors& colors) {
+  const int width = colors.bands > 0 ? colors.bands : kSteadyColors;
+  Texture texture{.name = colors.map.name, .width = width, .height = 1, .rgba = {}};
+  texture.nearest = colors.bands > 0;
   texture.clamped = true;
   for (int k = 0; k < width; ++k) {
-    const auto color = colors.bands ? colors.colors[std::size_t(k)] : map.at((float(k) + 0.5f) / float(width));
-    for (const float v : color) texture.rgba.push_back(byte_of_color(v));
+    for (const float v : colors.at((float(k) + 0.5f) / float(width))) texture.rgba.push_back(byte_of_color(v));
     texture.rgba.push_back(255);
   }
   return texture;
-}
-
-/// Returns the sRGB colour at a position on the scale.
-std::array<float, 3> color_at(const ValueColors& colors, const ColorMap& map, float position) {
-  if (!colors.bands) return map.at(position);
-  const int count = int(colors.colors.size());
-  return colors.colors[std::size_t(std::clamp(int(std::clamp(position, 0.0f, 1.0f) * float(count)), 0, count - 1))];
 }
 
 glm::vec3 linear_of(const std::array<float, 3>& c) {
@@ -123,12 +115,11 @@ struct Missing {
   std::size_t values = 0, triangles = 0, points = 0;
 };
 
-void color_points(const std::vector<float>& positions, const ValueColors& colors, const ColorMap& map, Mesh& mesh,
-                  Missing& missing) {
+void color_points(const std::vector<float>& positions, const ValueColors& colors, Mesh& mesh, Missing& missing) {
   mesh.material = kPoints;
   mesh.colors.clear();
   for (const float position : positions) {
-    mesh.colors.push_back(linear_of(std::isnan(position) ? colors.missing : color_at(colors, map, position)));
+    mesh.colors.push_back(linear_of(std::isnan(position) ? colors.missing : colors.at(position)));
     missing.points += std::isnan(position);
   }
 }
@@ -184,6 +175,12 @@ void warn_of_missing(const ValueSettings& settings, const Missing& missing, Scen
 
 }  // namespace
 
+std::array<float, 3> ValueColors::at(float position) const {
+  if (bands == 0) return map.at(position);
+  const int band = std::min(int(std::clamp(position, 0.0f, 1.0f) * float(bands)), bands - 1);
+  return map.at(bands == 1 ? 0.5f : float(band) / float(bands - 1));
+}
+
 float value_of(const Field& field, std::size_t position, const std::optional<int>& component) {
   const float* const values = &field.values[position * std::size_t(field.components)];
   if (component || field.components == 1) return values[component.value_or(0)];
@@ -196,8 +193,8 @@ std::string key_of(const ValueSettings& settings) {
   std::vector<float> numbers(settings.missing.begin(), settings.missing.end());
   if (settings.range) numbers.insert(numbers.end(), settings.range->begin(), settings.range->end());
   for (const auto& color : settings.map.colors) numbers.insert(numbers.end(), color.begin(), color.end());
-  return fmt::format(" values '{}' {} {} {} {}", settings.field, settings.component.value_or(-1), int(settings.scale),
-                     settings.bands, fmt::join(numbers, " "));
+  return fmt::format(" values '{}' {} {} {} {} {}", settings.field, settings.component.value_or(-1),
+                     int(settings.scale), settings.bands, settings.map.smooth, fmt::join(numbers, " "));
 }
 
 float position_on_scale(const ValueColors& colors, float value) {
@@ -230,6 +227,8 @@ Result<ValueColors> value_colors(const ValueSettings& settings, std::span<const 
   out.name = settings.field;
   if (settings.component) out.name += "." + component_text(*settings.component);
   out.scale = settings.scale;
+  out.map = settings.map;
+  out.bands = settings.bands;
   out.missing = settings.missing;
   out.low = settings.range ? (*settings.range)[0] : extent.low;
   out.high = settings.range ? (*settings.range)[1] : extent.high;
@@ -250,10 +249,6 @@ Result<ValueColors> value_colors(const ValueSettings& settings, std::span<const 
                     out.name, spacing));
   if (out.scale == Scale::kSymlog)
     out.linear_threshold = kLinearFraction * std::max(std::abs(out.low), std::abs(out.high));
-  out.bands = settings.bands > 0;
-  const int count = out.bands ? settings.bands : kSteadyColors;
-  for (int k = 0; k < count; ++k)
-    out.colors.push_back(settings.map.at(count == 1 ? 0.5f : float(k) / float(count - 1)));
   return out;
 }
 
@@ -273,13 +268,13 @@ Result<void> show_values(const ValueSettings& settings, Scene& scene) {
     for (const float position : positions) missing.values += std::isnan(position);
     mesh.fields.clear();
     if (mesh.points)
-      color_points(positions, colors, settings.map, mesh, missing);
+      color_points(positions, colors, mesh, missing);
     else if (Mesh rest = color_triangles(positions, mesh, missing); !rest.indices.empty())
       without.push_back(std::move(rest));
   }
   for (Mesh& mesh : without) scene.meshes.push_back(std::move(mesh));
   std::erase_if(scene.meshes, [](const Mesh& mesh) { return !mesh.points && mesh.indices.empty(); });
-  scene.textures = {texture_of_colors(colors, settings.map)};
+  scene.textures = {texture_of_colors(colors)};
   scene.materials.assign(3, Material{.albedo = glm::vec3(1.0f)});
   scene.materials[kShown].name = colors.name;
   scene.materials[kShown].texture = 0;

@@ -11,13 +11,33 @@
 
 namespace umbrage {
 
+/// How values became the colours of a scene: what a colour bar shows.
+struct ValueColors {
+  enum class Scale {
+    kLinear,
+    kLog,     ///< low > 0
+    kSymlog,  ///< logarithmic on both sides of 0, and linear between -linear_threshold and linear_threshold
+  };
+  std::string name;  ///< of the field, with its component: "velocity.x"
+  float low = 0.0f, high = 1.0f;
+  Scale scale = Scale::kLinear;
+  float linear_threshold = 0.0f;   ///< of kSymlog, > 0
+  ColorMap map;                    ///< from low to high
+  int bands = 0;                   ///< number of equal intervals of one colour; 0: the colours change steadily
+  std::array<float, 3> missing{};  ///< sRGB: colour of values that are missing or not finite
+  std::size_t missing_count = 0;   ///< number of such values
+
+  /// Returns the sRGB colour at a position on the scale, 0 to 1; beyond, that of the nearer end.
+  std::array<float, 3> at(float position) const;
+};
+
 struct ValueSettings {
   std::string field;             ///< name of the field
   std::optional<int> component;  ///< from 0; not set: the value, of a vector its length
   ColorMap map;
   std::optional<std::array<float, 2>> range;  ///< low < high; not set: that of the finite values
   ValueColors::Scale scale = ValueColors::Scale::kLinear;
-  int bands = 0;                   ///< number of equal intervals of one colour; 0: the colours change steadily
+  int bands = 0;                   ///< see ValueColors
   std::array<float, 3> missing{};  ///< sRGB
 };
 

@@ -200,8 +200,8 @@ TEST(ValueColors, ShownTrianglesHaveTheirPositionOnTheScaleAsTextureCoordinate) 
   EXPECT_EQ(texture.height, 1);
   EXPECT_TRUE(scene.meshes[0].fields.empty());
   ASSERT_TRUE(scene.value_colors);
-  EXPECT_EQ(scene.value_colors->colors.front(), (std::array<float, 3>{0, 0, 0}));
-  EXPECT_EQ(scene.value_colors->colors.back(), (std::array<float, 3>{1, 1, 1}));
+  EXPECT_EQ(scene.value_colors->at(0.0f), (std::array<float, 3>{0, 0, 0}));
+  EXPECT_EQ(scene.value_colors->at(1.0f), (std::array<float, 3>{1, 1, 1}));
   EXPECT_EQ(scene.value_colors->missing_count, 0u);
 }
 
@@ -210,8 +210,9 @@ TEST(ValueColors, BandsHaveOneColourEach) {
   ValueSettings settings = settings_of();
   settings.bands = 3;
   ASSERT_TRUE(show_values(settings, scene));
-  EXPECT_TRUE(scene.value_colors->bands);
-  EXPECT_EQ(scene.value_colors->colors, (std::vector<std::array<float, 3>>{{0, 0, 0}, {0.5f, 0.5f, 0.5f}, {1, 1, 1}}));
+  EXPECT_EQ(scene.value_colors->bands, 3);
+  for (const float f : {0.0f, 0.3f, 0.34f, 0.66f, 0.67f, 1.0f})
+    EXPECT_EQ(scene.value_colors->at(f)[1], f < 0.33f ? 0.0f : f > 0.667f ? 1.0f : 0.5f) << f;
   EXPECT_EQ(scene.textures.at(0).width, 3);
   EXPECT_TRUE(scene.textures.at(0).nearest);
 }
@@ -259,7 +260,7 @@ TEST(ValueColors, PointsHaveColours) {
 TEST(ValueColors, TakeTheRangeThatTheSceneHas) {
   Scene scene = strip_with({0, 1, 2, 3});
   scene.value_colors = std::make_shared<const ValueColors>(
-      ValueColors{.name = "p", .low = -10.0f, .high = 10.0f, .colors = {{0, 0, 0}, {1, 1, 1}}});
+      ValueColors{.name = "p", .low = -10.0f, .high = 10.0f, .map = map_named("gray")});
   ASSERT_TRUE(show_values(settings_of(), scene));
   EXPECT_EQ(scene.value_colors->low, -10.0f);
   const auto& uvs = scene.meshes[0].uvs;

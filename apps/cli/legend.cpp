@@ -13,7 +13,6 @@
 #include "apps/cli/page.h"
 #include "core/color.h"
 #include "core/printable.h"
-#include "scene/value_colors.h"
 
 namespace umbrage::cli {
 namespace {
@@ -128,7 +127,7 @@ std::vector<double> symlog_ticks(const ValueColors& values, int max_count) {
 
 /// Returns the limits of the bands, or each n-th of them if they are more than `max_count`.
 std::vector<double> band_limits(const ValueColors& values, int max_count) {
-  const int count = int(values.colors.size()), stride = (count + max_count) / max_count;
+  const int count = values.bands, stride = (count + max_count) / max_count;
   std::vector<double> all;
   for (int k = 0; k <= count; k += stride)
     all.push_back(k == count ? double(values.high) : double(value_on_scale(values, float(k) / float(count))));
@@ -152,24 +151,17 @@ int decimals_of(const std::vector<double>& numbers) {
 
 /// Adds the colours of the bar, the low ones at the bottom.
 void add_colors(const ValueColors& values, float x, float y, float width, float height, DrawnLayer& layer) {
-  const std::size_t count = values.colors.size();
-  if (values.bands) {
-    for (std::size_t k = 0; k < count; ++k) {
-      const float top = height * float(count - 1 - k) / float(count);
-      DrawnPath band = rectangle(x, y + top, width, height / float(count));
-      band.fill = values.colors[k];
-      layer.shapes.emplace_back(std::move(band));
-    }
-    return;
+  for (int k = 0; k < values.bands; ++k) {
+    const auto count = float(values.bands);
+    DrawnPath band = rectangle(x, y + height * (count - 1.0f - float(k)) / count, width, height / count);
+    band.fill = values.at((float(k) + 0.5f) / count);
+    layer.shapes.emplace_back(std::move(band));
   }
+  if (values.bands > 0) return;
   DrawnImage image{.x = x, .y = y, .width = width, .height = height, .columns = 1, .rows = kBarColors, .rgba = {}};
   for (int row = 0; row < kBarColors; ++row) {
-    const float at = (1.0f - (float(row) + 0.5f) / float(kBarColors)) * float(count - 1);
-    const std::size_t k = std::min(std::size_t(at), count - 1), next = std::min(k + 1, count - 1);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float value = std::lerp(values.colors[k][c], values.colors[next][c], at - float(k));
-      image.rgba.push_back(std::uint8_t(std::lround(255.0f * std::clamp(value, 0.0f, 1.0f))));
-    }
+    for (const float value : values.at(1.0f - (float(row) + 0.5f) / float(kBarColors)))
+      image.rgba.push_back(std::uint8_t(std::lround(255.0f * value)));
     image.rgba.push_back(255);
   }
   layer.shapes.emplace_back(std::move(image));
@@ -343,8 +335,8 @@ double round_length(double max) {
 
 Ticks ticks_of(const ValueColors& values, int max_count) {
   const bool linear = values.scale == ValueColors::Scale::kLinear;
-  const std::vector<double> at = values.bands ? band_limits(values, max_count)
-                                 : linear     ? round_numbers(values.low, values.high, max_count)
+  const std::vector<double> at = values.bands > 0 ? band_limits(values, max_count)
+                                 : linear         ? round_numbers(values.low, values.high, max_count)
                                  : values.scale == ValueColors::Scale::kLog ? powers(values.low, values.high, max_count)
                                                                             : symlog_ticks(values, max_count);
   double max = 0.0, min = std::numeric_limits<double>::infinity();

@@ -8,7 +8,7 @@
 #include "core/camera.h"
 #include "core/drawing.h"
 #include "core/result.h"
-#include "scene/scene.h"
+#include "scene/value_colors.h"
 
 namespace umbrage::cli {
 

@@ -18,7 +18,7 @@ ValueColors values_of(float low, float high, ValueColors::Scale scale = ValueCol
           .high = high,
           .scale = scale,
           .linear_threshold = 1.0f,
-          .colors = {{0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f}}};
+          .map = {"", {{0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f}}, false}};
 }
 
 std::string labels(const ValueColors& values, int count = 7) {
@@ -45,9 +45,9 @@ TEST(Legend, TicksAreRound) {
   EXPECT_EQ(labels(values_of(2.0f, 7.0f, Scale::kLog)), "2 3 4 5 6 7");
   EXPECT_EQ(labels(values_of(-100.0f, 100.0f, Scale::kSymlog)), "\u2212100 \u221210 \u22121 0 1 10 100");
   ValueColors bands = values_of(0.0f, 1.0f);
-  bands.bands = true, bands.colors.resize(4);
+  bands.bands = 4;
   EXPECT_EQ(labels(bands), "0.00 0.25 0.50 0.75 1.00");
-  bands.colors.resize(12);
+  bands.bands = 12;
   EXPECT_EQ(labels(bands), "0.000 0.167 0.333 0.500 0.667 0.833 1.000");
   for (const float low : {-72.0f, 0.0f, 0.3f, 1e-5f, 40.0f})
     for (const float range : {0.7f, 1.0f, 24.0f, 96.0f, 97.0f, 1234.5f})
