@@ -43,17 +43,16 @@ PlaneAxes plane_axes(const glm::dvec3& normal, const glm::vec3& scene_up) {
 struct CutLoops {
   std::vector<glm::vec3> positions;
   std::vector<Loop> loops;
-  Inside inside = Inside::kNonzero;
   bool has_gaps = false;  ///< some of them have edges across small gaps
   bool is_open = false;   ///< some edges do not close and are left out
 };
 
-/// Returns the loops of edges of which each vertex has an even number; `directed`: as many in as out.
-std::vector<Loop> loops_of(const std::vector<PlaneEdge>& edges, std::size_t vertices, bool directed) {
+/// Returns the loops of edges of which each vertex has an even number.
+std::vector<Loop> loops_of(const std::vector<PlaneEdge>& edges, std::size_t vertices) {
   std::vector<std::vector<std::uint32_t>> edges_at(vertices);
   for (std::uint32_t e = 0; e < edges.size(); ++e) {
     edges_at[edges[e].first].push_back(e);
-    if (!directed) edges_at[edges[e].second].push_back(e);
+    edges_at[edges[e].second].push_back(e);
   }
   std::vector<char> is_used(edges.size(), 0), is_on_path(vertices, 0);
   std::vector<Loop> loops;
@@ -107,16 +106,6 @@ class CutChains {
   std::vector<glm::vec3> low_, high_;
 };
 
-/// Removes the edges that are connected to a vertex with an odd number of them. Returns whether there are any.
-bool remove_open(const std::vector<glm::vec3>& positions, std::vector<PlaneEdge>& edges) {
-  CutChains chains(positions, edges);
-  std::vector<char> is_odd(positions.size(), 0), is_open(positions.size(), 0);
-  for (const auto& [from, to] : edges) is_odd[from] ^= 1, is_odd[to] ^= 1;
-  for (std::uint32_t k = 0; k < is_odd.size(); ++k)
-    if (is_odd[k]) is_open[chains.root(k)] = 1;
-  return std::erase_if(edges, [&](const PlaneEdge& edge) { return bool(is_open[chains.root(edge.first)]); }) > 0;
-}
-
 /// Returns pairs of vertices that are closer than `tolerance`, with their distance, near ones first.
 std::vector<std::pair<float, PlaneEdge>> near_pairs(const std::vector<glm::vec3>& positions,
                                                     std::vector<std::uint32_t> vertices, float tolerance) {
@@ -133,36 +122,33 @@ std::vector<std::pair<float, PlaneEdge>> near_pairs(const std::vector<glm::vec3>
   return pairs;
 }
 
-/// Adds edges across cracks of up to `crack`, and between the ends of a chain that are closer than a tenth of its size,
-/// from vertices that lack an edge out to those that lack one in; `directed` is false: which have an odd number of
-/// edges. Returns the number of these edges that are longer than rounding, and whether all loops are closed.
-std::pair<std::size_t, bool> close_gaps(const std::vector<glm::vec3>& positions, float crack, bool directed,
-                                        std::vector<PlaneEdge>& edges) {
+/// Adds edges between vertices that have an odd number of them: across cracks of up to `crack`, and between the ends of
+/// a chain that are closer than a tenth of its size. Removes chains that are still open. Sets has_gaps, if some of
+/// these edges are longer than rounding, and is_open.
+void close_gaps(float crack, std::vector<PlaneEdge>& edges, CutLoops& out) {
   constexpr float kMaxGap = 0.1f, kRounding = 3e-3f;  // of the chain; of `crack`
-  std::vector<int> missing(positions.size(), 0);      // edges out; below 0: in
-  for (const auto& [from, to] : edges) --missing[from], ++missing[to];
-  std::vector<std::uint32_t> ends;
-  for (std::uint32_t k = 0; k < missing.size(); ++k) {
-    if (!directed) missing[k] = missing[k] % 2 != 0 ? 1 : 0;
-    if (missing[k] != 0) ends.push_back(k);
-  }
-  if (ends.empty()) return {0, true};
+  const std::vector<glm::vec3>& positions = out.positions;
+  std::vector<char> is_end(positions.size(), 0), is_open(positions.size(), 0);
+  for (const auto& [from, to] : edges) is_end[from] ^= 1, is_end[to] ^= 1;
   CutChains chains(positions, edges);
+  std::vector<std::uint32_t> ends;
   float longest = 0.0f;
-  for (const std::uint32_t k : ends) longest = std::max(longest, chains.size(k));
-  std::size_t left = ends.size(), added = 0;
+  for (std::uint32_t k = 0; k < is_end.size(); ++k)
+    if (is_end[k]) ends.push_back(k), longest = std::max(longest, chains.size(k));
   constexpr std::size_t kMaxEnds = 4000;  // with more, the part is no solid, and all pairs take too much memory
   const float tolerance = ends.size() > kMaxEnds ? crack : std::max(crack, kMaxGap * longest);
   for (const auto& [d, pair] : near_pairs(positions, ends, tolerance)) {
     const auto [a, b] = pair;
-    if (missing[a] == 0 || missing[b] == 0 || (directed && (missing[a] > 0) == (missing[b] > 0))) continue;
+    if (!is_end[a] || !is_end[b]) continue;
     if (d > crack && (chains.root(a) != chains.root(b) || d > kMaxGap * chains.size(a))) continue;
-    edges.push_back(missing[a] > 0 ? PlaneEdge(a, b) : PlaneEdge(b, a));
+    edges.push_back(pair);
     chains.join(a, b);
-    for (const std::uint32_t k : {a, b}) missing[k] -= missing[k] > 0 ? 1 : -1, left -= missing[k] == 0;
-    added += d > kRounding * crack;
+    is_end[a] = is_end[b] = 0;
+    out.has_gaps |= d > kRounding * crack;
   }
-  return {added, left == 0};
+  for (const std::uint32_t k : ends)
+    if (is_end[k]) is_open[chains.root(k)] = 1;
+  out.is_open = std::erase_if(edges, [&](const PlaneEdge& edge) { return bool(is_open[chains.root(edge.first)]); }) > 0;
 }
 
 CutLoops join_segments(std::span<const CutSegment> segments) {
@@ -180,25 +166,17 @@ CutLoops join_segments(std::span<const CutSegment> segments) {
     const std::uint32_t from = number(segment.from), to = number(segment.to);
     net[{std::min(from, to), std::max(from, to)}] += from < to ? 1 : -1;
   }
-  const float crack = kCrack * glm::distance(low, high);
+  // An edge in both directions lies inside of the part; but a surface may also have two sides.
   std::vector<PlaneEdge> edges;
-  for (const auto& [edge, count] : net)
-    if (count != 0) edges.push_back(count > 0 ? edge : PlaneEdge(edge.second, edge.first));
-  if (!edges.empty()) {
-    const auto [added, is_closed] = close_gaps(out.positions, crack, true, edges);
-    if (is_closed) {
-      out.has_gaps = added > 0;
-      out.loops = loops_of(edges, out.positions.size(), true);
-      return out;
-    }
+  for (const bool with_inner : {false, true}) {
+    edges.clear();
+    for (const auto& [edge, count] : net)
+      if (with_inner || count != 0) edges.push_back(edge);
+    out.has_gaps = false;
+    close_gaps(kCrack * glm::distance(low, high), edges, out);
+    if (!edges.empty() && !out.is_open) break;
   }
-  // Triangles with differing windings, or both: the loops have no directions.
-  edges.clear();
-  for (const auto& [edge, count] : net) edges.push_back(edge);
-  out.has_gaps = close_gaps(out.positions, crack, false, edges).first > 0;
-  out.is_open = remove_open(out.positions, edges);
-  out.loops = loops_of(edges, out.positions.size(), false);
-  out.inside = Inside::kOdd;
+  out.loops = loops_of(edges, out.positions.size());
   return out;
 }
 
@@ -339,7 +317,7 @@ std::vector<PartedMesh> caps_of(const CutPlane& plane, std::vector<CutSegment> s
     std::vector<glm::dvec2> points;
     for (const glm::vec3& p : loops.positions) points.push_back(axes.of(p));
     PartedMesh cap;
-    for (const auto& triangle : triangulate(points, loops.loops, loops.inside))
+    for (const auto& triangle : triangulate(points, loops.loops))
       cap.mesh.indices.insert(cap.mesh.indices.end(), triangle.begin(), triangle.end());
     if (cap.mesh.indices.empty()) continue;
     cap.mesh.normals.assign(loops.positions.size(), glm::vec3(plane.normal));

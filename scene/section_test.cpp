@@ -394,25 +394,23 @@ TEST(Triangulate, FillsRegionsWithHolesAndPointsOnEdges) {
                                           {5, 1}, {2, 2}, {4, 2}, {4, 4}, {2, 4}, {5, 7}, {7, 7}, {7, 5}};
   const Loop outer = {0, 1, 2, 3, 4, 5}, hole = {6, 7, 8, 9}, island = {10, 11, 12, 13}, second = {8, 14, 15, 16};
   const double expected = 2.0 * (64.0 - 16.0 + 4.0 - 4.0);
-  for (const Inside inside : {Inside::kNonzero, Inside::kOdd}) {
-    double sum = 0.0;
-    std::map<std::pair<unsigned, unsigned>, int> edges;
-    for (const auto& t : triangulate(points, {outer, island, hole, second}, inside)) {
-      const double area = twice_area(points, {t[0], t[1], t[2]});
-      EXPECT_GT(area, 0.0);
-      sum += area;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const unsigned a = t[k], b = t[(k + 1) % 3];
-        edges[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
-      }
+  double sum = 0.0;
+  std::map<std::pair<unsigned, unsigned>, int> edges;
+  for (const auto& t : triangulate(points, {outer, island, hole, second})) {
+    const double area = twice_area(points, {t[0], t[1], t[2]});
+    EXPECT_GT(area, 0.0);
+    sum += area;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const unsigned a = t[k], b = t[(k + 1) % 3];
+      edges[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
     }
-    EXPECT_NEAR(sum, expected, 1e-12);
-    std::size_t border = 0;
-    for (const auto& [edge, count] : edges) border += count != 0;
-    EXPECT_EQ(border, 18u) << "the sides of all loops, and no others";
   }
-  EXPECT_TRUE(triangulate(points, {}, Inside::kOdd).empty());
-  EXPECT_TRUE(triangulate(points, {{0, 1, 2}}, Inside::kOdd).empty()) << "no area";
+  EXPECT_NEAR(sum, expected, 1e-12);
+  std::size_t border = 0;
+  for (const auto& [edge, count] : edges) border += count != 0;
+  EXPECT_EQ(border, 18u) << "the sides of all loops, and no others";
+  EXPECT_TRUE(triangulate(points, {}).empty());
+  EXPECT_TRUE(triangulate(points, {{0, 1, 2}}).empty()) << "no area";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Polygons for readers: triangulation by ear clipping [Meisters 1975], and the texture coordinates, colours and
-// materials that a file gives to faces, or to corners of faces, not to vertices.
+// Polygons for readers: triangulation, and the texture coordinates, colours and materials that a file gives to faces,
+// or to corners of faces, not to vertices.
 #pragma once
 #include <cstdint>
 #include <glm/vec2.hpp>
@@ -7,18 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "core/progress.h"
 #include "scene/scene.h"
+#include "scene/triangulate.h"
 
 namespace umbrage {
-
-/// Splits a polygon of n corners into n - 2 triangles and appends three corner numbers, 0 to n - 1, for each of them.
-/// Triangles have the orientation of the polygon. Concave polygons are split correctly, also with collinear or repeated
-/// corners and with holes that are connected by a pair of edges; strictly convex ones become a fan around corner 0. The
-/// shape is judged in the plane to which the polygon is most parallel. A polygon that crosses itself, has no area or
-/// coordinates that are not finite is split somehow, and any polygon once the poll ends. Less than three corners: no
-/// triangles.
-void split_polygon(std::span<const glm::vec3> corners, std::vector<std::uint32_t>& triangles, Poll* poll = nullptr);
 
 /// Splits the faces of a mesh; keeps its memory between calls.
 class FaceSplitter {
