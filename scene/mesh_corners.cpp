@@ -2,7 +2,6 @@
 #include "scene/mesh_corners.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -12,39 +11,6 @@ namespace {
 
 using Index = MeshIndex;
 
-/// Returns the bits of a float, the same for 0 and -0.
-std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); }
-
-std::uint64_t mix_bits(std::uint64_t x) {
-  x ^= x >> 32;
-  x *= 0xd6e8feb86659fd93ull;
-  x ^= x >> 32;
-  return x;
-}
-
-/// Returns the number of each item. Equal items have the same number; numbers start at 0, in order of appearance.
-/// `distinct` receives how many numbers there are.
-template <class Hash, class Equal>
-std::vector<Index> number_items(std::size_t count, Index& distinct, Hash hash, Equal equal) {
-  const std::size_t slots = std::bit_ceil(std::max<std::size_t>(16, count + count / 2));
-  struct Slot {
-    Index item, number;
-  };
-  std::vector<Slot> table(slots, Slot{kNoIndex32, 0});
-  std::vector<Index> number_of(count);
-  distinct = 0;
-  for (Index i = 0; i < count; ++i) {
-    std::size_t slot = hash(i) & (slots - 1);
-    while (table[slot].item != kNoIndex32 && !equal(table[slot].item, i)) slot = (slot + 1) & (slots - 1);
-    if (table[slot].item == kNoIndex32) table[slot] = {i, distinct++};
-    number_of[i] = table[slot].number;
-  }
-  return number_of;
-}
-
-std::uint64_t hash_of(const glm::vec3& p) {
-  return mix_bits(mix_bits(std::uint64_t(bits_of(p.x)) << 32 | bits_of(p.y)) + bits_of(p.z));
-}
 std::uint64_t hash_of(const glm::vec2& p) { return mix_bits(std::uint64_t(bits_of(p.x)) << 32 | bits_of(p.y)); }
 bool same(const glm::vec3& a, const glm::vec3& b) {
   return bits_of(a.x) == bits_of(b.x) && bits_of(a.y) == bits_of(b.y) && bits_of(a.z) == bits_of(b.z);

@@ -1,5 +1,7 @@
 // Points, faces and corners of a triangle mesh, for what needs to know which faces meet where.
 #pragma once
+#include <algorithm>
+#include <bit>
 #include <glm/vec3.hpp>
 #include <limits>
 #include <span>
@@ -11,6 +13,39 @@ namespace umbrage {
 
 using MeshIndex = std::uint32_t;
 inline constexpr MeshIndex kNoIndex32 = std::numeric_limits<MeshIndex>::max();
+
+/// Returns the bits of a float, the same for 0 and -0.
+inline std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); }
+inline std::uint64_t mix_bits(std::uint64_t x) {
+  x ^= x >> 32;
+  x *= 0xd6e8feb86659fd93ull;
+  x ^= x >> 32;
+  return x;
+}
+
+/// Returns the number of each item. Equal items have the same number; numbers start at 0, in order of appearance.
+/// `distinct` receives how many numbers there are.
+template <class Hash, class Equal>
+std::vector<MeshIndex> number_items(std::size_t count, MeshIndex& distinct, Hash hash, Equal equal) {
+  const std::size_t slots = std::bit_ceil(std::max<std::size_t>(16, count + count / 2));
+  struct Slot {
+    MeshIndex item, number;
+  };
+  std::vector<Slot> table(slots, Slot{kNoIndex32, 0});
+  std::vector<MeshIndex> number_of(count);
+  distinct = 0;
+  for (MeshIndex i = 0; i < count; ++i) {
+    std::size_t slot = hash(i) & (slots - 1);
+    while (table[slot].item != kNoIndex32 && !equal(table[slot].item, i)) slot = (slot + 1) & (slots - 1);
+    if (table[slot].item == kNoIndex32) table[slot] = {i, distinct++};
+    number_of[i] = table[slot].number;
+  }
+  return number_of;
+}
+
+inline std::uint64_t hash_of(const glm::vec3& p) {
+  return mix_bits(mix_bits(std::uint64_t(bits_of(p.x)) << 32 | bits_of(p.y)) + bits_of(p.z));
+}
 
 /// Returns the corner before or after a corner in its triangle. Corner c is mesh.indices[c], of triangle c / 3.
 inline MeshIndex next_corner(MeshIndex corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }

@@ -89,10 +89,7 @@ class CutChains {
     std::iota(parents_.begin(), parents_.end(), 0u);
     for (const auto& [a, b] : edges) join(a, b);
   }
-  std::uint32_t root(std::uint32_t k) {
-    while (parents_[k] != k) k = parents_[k] = parents_[parents_[k]];
-    return k;
-  }
+  std::uint32_t root(std::uint32_t k) { return root_of(parents_, k); }
   void join(std::uint32_t a, std::uint32_t b) {
     a = root(a), b = root(b);
     parents_[b] = a;

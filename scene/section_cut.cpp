@@ -3,54 +3,19 @@
 // joined.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <unordered_map>
 
+#include "scene/mesh_corners.h"
 #include "scene/section_parts.h"
 
 namespace umbrage {
 namespace {
 
-constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
-
-/// Numbers the equal positions of an object: a hash table with open addressing.
-class Positions {
- public:
-  explicit Positions(std::size_t count) : slots_(std::bit_ceil(2 * count + 2), kNoVertex) {}
-
-  std::uint32_t number(int object, const glm::vec3& p) {
-    const Key key{object, p + 0.0f};  // -0 is 0
-    std::size_t slot = hash_of(key) & (slots_.size() - 1);
-    for (; slots_[slot] != kNoVertex; slot = (slot + 1) & (slots_.size() - 1))
-      if (const Key& other = keys_[slots_[slot]]; other.object == key.object && other.p == key.p) return slots_[slot];
-    slots_[slot] = std::uint32_t(keys_.size());
-    keys_.push_back(key);
-    return slots_[slot];
-  }
-  std::size_t count() const { return keys_.size(); }
-
- private:
-  struct Key {
-    int object;
-    glm::vec3 p;
-  };
-  static std::size_t hash_of(const Key& key) {
-    std::uint64_t h = std::uint64_t(std::uint32_t(key.object)) * 0x9e3779b97f4a7c15ull;
-    for (int k = 0; k < 3; ++k) h = (h ^ std::bit_cast<std::uint32_t>(key.p[k])) * 0xff51afd7ed558ccdull, h ^= h >> 29;
-    return std::size_t(h ^ (h >> 32));
-  }
-  std::vector<std::uint32_t> slots_;
-  std::vector<Key> keys_;
-};
-
-std::uint32_t root_of(std::vector<std::uint32_t>& parents, std::uint32_t k) {
-  while (parents[k] != k) k = parents[k] = parents[parents[k]];
-  return k;
-}
+constexpr std::uint32_t kNoVertex = kNoIndex32;
 
 /// The box and the volume of a part, scene units.
 struct PartExtent {
@@ -213,34 +178,37 @@ class MeshCutter {
 }  // namespace
 
 std::uint32_t find_parts(std::vector<PartedMesh>& meshes) {
-  std::size_t count = 0;
-  for (const PartedMesh& each : meshes) count += each.mesh.points ? 0 : each.mesh.positions.size();
-  Positions positions(count);
-  std::vector<std::uint32_t> parents;
-  std::vector<std::vector<std::uint32_t>> numbers(meshes.size());  // of positions
+  std::vector<std::pair<int, glm::vec3>> vertices;  // of all meshes: object and position
+  std::vector<std::size_t> first_of;
+  for (const auto& [mesh, parts, cap_of] : meshes) {
+    first_of.push_back(vertices.size());
+    for (std::size_t k = 0; !mesh.points && k < mesh.positions.size(); ++k)
+      vertices.emplace_back(mesh.object, mesh.positions[k]);
+  }
+  std::uint32_t count = 0;
+  const std::vector<std::uint32_t> numbers = number_items(
+      vertices.size(), count, [&](MeshIndex i) { return mix_bits(hash_of(vertices[i].second) + vertices[i].first); },
+      [&](MeshIndex i, MeshIndex j) { return vertices[i] == vertices[j]; });
+  std::vector<std::uint32_t> parents(count);
+  std::iota(parents.begin(), parents.end(), 0u);
   for (std::size_t m = 0; m < meshes.size(); ++m) {
-    const Mesh& mesh = meshes[m].mesh;
-    if (mesh.points) continue;
-    numbers[m].reserve(mesh.positions.size());
-    for (const glm::vec3& p : mesh.positions) numbers[m].push_back(positions.number(mesh.object, p));
-    for (auto k = std::uint32_t(parents.size()); k < positions.count(); ++k) parents.push_back(k);
-    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-      const std::uint32_t root = root_of(parents, numbers[m][mesh.indices[i]]);
-      for (std::size_t k = 1; k < 3; ++k) parents[root_of(parents, numbers[m][mesh.indices[i + k]])] = root;
-    }
+    const std::vector<std::uint32_t>& indices = meshes[m].mesh.indices;
+    for (std::size_t i = 0; i < indices.size(); ++i)
+      parents[root_of(parents, numbers[first_of[m] + indices[i]])] =
+          root_of(parents, numbers[first_of[m] + indices[i - i % 3]]);
   }
   std::vector<std::uint32_t> number_of(parents.size(), kNoVertex);  // of parts, by root
   std::vector<PartExtent> extents;
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     const Mesh& mesh = meshes[m].mesh;
-    for (std::size_t i = 0; !mesh.points && i < mesh.indices.size(); i += 3) {
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
       const std::uint32_t* const corners = &mesh.indices[i];
-      const std::uint32_t vertices[] = {numbers[m][corners[0]], numbers[m][corners[1]], numbers[m][corners[2]]};
-      std::uint32_t& number = number_of[root_of(parents, vertices[0])];
+      std::uint32_t ends[3];
+      for (std::size_t k = 0; k < 3; ++k) ends[k] = numbers[first_of[m] + corners[k]];
+      std::uint32_t& number = number_of[root_of(parents, ends[0])];
       if (number == kNoVertex) number = std::uint32_t(extents.size()), extents.emplace_back().object = mesh.object;
       meshes[m].parts.push_back(number);
-      extents[number].add({mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]},
-                          vertices);
+      extents[number].add({mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]}, ends);
     }
   }
   std::vector<std::uint32_t> whole_of(extents.size());

@@ -43,6 +43,12 @@ struct CutSegment {
   glm::vec3 from, to;
 };
 
+/// Returns the first of the items that are joined to an item, by the item to which each is joined.
+inline std::uint32_t root_of(std::vector<std::uint32_t>& parents, std::uint32_t k) {
+  while (parents[k] != k) k = parents[k] = parents[parents[k]];
+  return k;
+}
+
 /// Sets the part of each triangle of a scene. Returns the number of parts; some of them may have no triangle.
 std::uint32_t find_parts(std::vector<PartedMesh>& meshes);
 
