@@ -1,6 +1,7 @@
 #include "renderer/recipe.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -308,7 +309,7 @@ Result<ImportSettings> import_settings(const Request& request) {
   settings.animation_index = request.animation_index;
   if (request.animation_time && !request.animation_index) settings.animation_index = 0;
   settings.animation_time = request.animation_time.value_or(0.0f);
-  settings.picture_px = std::max(request.width, request.height);
+  settings.picture_px = int(std::bit_ceil(unsigned(std::max(request.width, request.height))));
   settings.file_lights = request.lights == "file";
   if (!request.color_by.empty()) settings.field = request.color_by;
   if (!request.point_size.empty()) settings.points.size = *parse_length("point_size", request.point_size);

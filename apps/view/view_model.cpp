@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -19,6 +20,7 @@
 #include "renderer/strips.h"
 #include "renderer/written_passes.h"
 #include "scene/framing.h"
+#include "scene/readers/content.h"
 
 namespace umbrage::view {
 namespace {
@@ -29,13 +31,14 @@ long new_number() {
   return ++last;
 }
 
-/// Returns a key of the options that change how a model is read.
-std::string import_key(const Request& r) {
+/// Returns a key of the options that change how a model is read. `is_cad`: so does the size of the picture.
+std::string import_key(const Request& r, bool is_cad) {
   const auto number = [](const auto& value) { return value ? fmt::format("{}", *value) : std::string("-"); };
   const auto up = r.up.value_or(std::array<float, 3>{});
-  return fmt::format("{} {} {} {} {} {} {} {} {}", fmt::join(up, ","), number(r.scene_index), number(r.animation_index),
-                     number(r.animation_time), r.lights, number(r.crease_angle_deg), r.point_size, r.point_sprites,
-                     r.gbuffer.view);
+  const unsigned picture_px = is_cad ? std::bit_ceil(unsigned(std::max(r.width, r.height))) : 0;  // as import_settings
+  return fmt::format("{} {} {} {} {} {} {} {} {} {} {}", fmt::join(up, ","), number(r.scene_index),
+                     number(r.animation_index), number(r.animation_time), r.lights, number(r.crease_angle_deg),
+                     r.point_size, r.point_sprites, r.color_by, r.gbuffer.view, picture_px);
 }
 
 /// Returns the planes of a finished picture.
@@ -118,7 +121,8 @@ ViewModel::~ViewModel() = default;
 Result<std::unique_ptr<ViewModel>> ViewModel::load(const std::string& file, bool is_gbuffer, const Request& request,
                                                    const ProgressMonitor& monitor) {
   std::unique_ptr<ViewModel> model(new ViewModel);
-  model->import_key_ = import_key(request);
+  model->is_cad_ = !is_gbuffer && is_cad(format_of_file(file));
+  model->import_key_ = import_key(request, model->is_cad_);
   model->loaded_ = new_number();
   ModelFacts& facts = model->facts_;
   if (is_gbuffer) {
@@ -155,7 +159,7 @@ Result<std::unique_ptr<ViewModel>> ViewModel::load(const std::string& file, bool
   return model;
 }
 
-bool ViewModel::is_loaded_for(const Request& request) const { return import_key_ == import_key(request); }
+bool ViewModel::is_loaded_for(const Request& request) const { return import_key_ == import_key(request, is_cad_); }
 
 void ViewModel::forget_captures() {
   capture_.clear();

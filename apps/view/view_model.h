@@ -114,6 +114,7 @@ class ViewModel {
   Result<Drawn> draw_live(DrawingDevice& device, const Plan& plan, const DrawControl& control, StageTimes& times);
   Result<void> shade(DrawingDevice& device, const Request& request, const DrawControl& control, StageTimes& times);
 
+  bool is_cad_ = false;
   std::string import_key_;
   long loaded_ = 0;
   ModelFacts facts_;
