@@ -442,11 +442,8 @@ bool Drawing::wait_for_page(const Task& task) {
 
 void Drawing::send_picture(const Task& task, const Image& picture, FrameHeader header) {
   const bool is_draft = task.step <= Step::kQuick;
-  header.id = task.state->id;
-  header.view = task.view;
-  header.model = task.state->model;
-  header.width = picture.width;
-  header.height = picture.height;
+  header.id = task.state->id, header.view = task.view, header.model = task.state->model;
+  header.width = picture.width, header.height = picture.height;
   header.is_moving = task.step == Step::kMoving;
   {
     const std::lock_guard lock(mutex_);
