@@ -381,10 +381,11 @@ Seeds gbuffer_seeds() {
 }
 
 Seeds content_seeds() {
+  const std::string usda = "PK\3\4" + std::string(26, ' ') + "a.usda";
   return {"<!DOCTYPE html><html>",
           "version https://git-lfs\n",
           "\xff\xfev\0 \0"s,
-          "PK\3\4" + std::string(26, ' ') + "a.usda",
+          usda,
           "# a\nv 1 2 3\n",
           "ATOM 1 2 3\n",
           "0,5 1,5 2\n"};
@@ -451,18 +452,7 @@ Seeds texture_seeds() {
                    "000000000000000131ffda0008010100003f00543fffd9")};
 }
 
-Seeds setting_seeds() {
-  return {"\0-1.25"s,
-          "\1-3"s,
-          "\2yes"s,
-          "\3zero"s,
-          "\4"
-          "5%"s,
-          "\4"
-          "0.5"s,
-          "\5"
-          "1e-3"s};
-}
+Seeds setting_seeds() { return {"\0-1.25"s, "\1-3"s, "\2yes"s, "\3zero"s, "\0045%"s, "\0040.5"s, "\0051e-3"s}; }
 
 Seeds scene_name_seeds() { return {"scene:atrium?detail=1e6x", "scene:rooms", "scene:?", "room"}; }
 
