@@ -141,6 +141,7 @@ void sew_faces(const Handle(TDocStd_Document) & document) {
   shapes->GetShapes(labels);
   for (const TDF_Label& label : labels) {
     const TopoDS_Shape shape = XCAFDoc_ShapeTool::GetShape(label);
+    if (shape.IsNull()) continue;
     Bnd_Box box;
     BRepBndLib::Add(shape, box, false);
     if (XCAFDoc_ShapeTool::IsAssembly(label) || shape.ShapeType() == TopAbs_FACE || box.IsVoid() || box.IsOpen())
@@ -179,7 +180,7 @@ Result<Scene> import_cad(const fs::path& file, const ImportSettings& settings) {
   const auto unreadable = [&](const std::string& why) {
     return file_error("'{}' cannot be read as {} ({})", file.string(), is_step ? "STEP" : "IGES", why);
   };
-  const Result<std::string> text = read_whole_file(file);
+  Result<std::string> text = read_whole_file(file);
   if (!text) return text.error();
   if (const std::string fault = fault_of(*text, is_step); !fault.empty()) return unreadable(fault);
   std::string path = file.string();
@@ -194,6 +195,7 @@ Result<Scene> import_cad(const fs::path& file, const ImportSettings& settings) {
     }
     path = fmt::format("/proc/self/fd/{}", inflated.file());
   }
+  *text = std::string();  // OpenCASCADE reads the file once more
   try {
     Handle(TDocStd_Document) document;
     XCAFDoc_ShapeTool::SetAutoNaming(false);  // else parts without a name are called SOLID
