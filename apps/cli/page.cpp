@@ -138,7 +138,8 @@ std::uint32_t premultiplied(const std::uint8_t* rgba) {
 void draw(cairo_t* c, const DrawnImage& image) {
   const Surface pixels(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, image.columns, image.rows),
                        cairo_surface_destroy);
-  if (cairo_surface_status(pixels.get()) != CAIRO_STATUS_SUCCESS) return;
+  if (cairo_surface_status(pixels.get()) != CAIRO_STATUS_SUCCESS)
+    return cairo_set_source_surface(c, pixels.get(), 0.0, 0.0);  // its error becomes that of the page
   unsigned char* bytes = cairo_image_surface_get_data(pixels.get());
   const int stride = cairo_image_surface_get_stride(pixels.get());
   for (int y = 0; y < image.rows; ++y)
