@@ -121,9 +121,13 @@ Result<void> apply_figure_options(RenderOptions& o) {
   }
   constexpr std::string_view kWithSize[] = {"png", "jpg", "jpeg", "svg", "pdf"};
   if (const auto extension = extension_of(o.output);
-      extension && figure.dpi > 0.0 && figure.print_size.empty() && !contains(kWithSize, std::string_view(*extension)))
-    return field_error("--dpi", figure.dpi, "{0} is written to .png, .jpg, .svg and .pdf files, not to .{2}",
-                       *extension);
+      extension && figure.dpi > 0.0 && !contains(kWithSize, std::string_view(*extension))) {
+    if (figure.print_size.empty())
+      return field_error("--dpi", figure.dpi, "{0} is written to .png, .jpg, .svg and .pdf files, not to .{2}",
+                         *extension);
+    print_warning(fmt::format(
+        "'{}' has the pixels of --print-size, but not the size: .png, .jpg, .svg and .pdf files hold it", o.output));
+  }
   if (!legend.any()) return {};
   if (o.writes_passes())
     return field_error("passes", o.text_of("passes"),
