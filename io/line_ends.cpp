@@ -76,25 +76,19 @@ struct LineEnd {
 void join_groups(const std::vector<LineEnd>& ends) {
   NearbyGrid<std::size_t> grid(kMeetingReach);
   for (std::size_t k = 0; k < ends.size(); ++k) grid.add(ends[k].at(), k);
-  std::vector<bool> is_done(ends.size(), false);
-  const std::vector<dvec2> places = [&] {
-    std::vector<dvec2> all;
-    for (const LineEnd& end : ends) all.push_back(end.at());
-    return all;
-  }();
+  std::vector<bool> is_done(ends.size(), false);  // those of a group at once, so that others have not moved
   for (std::size_t k = 0; k < ends.size(); ++k) {
     if (is_done[k]) continue;
     std::vector<std::size_t> group;
-    grid.near(places[k], [&](std::size_t other) {
-      if (!is_done[other] && glm::distance(places[other], places[k]) <= kMeetingReach) group.push_back(other);
+    grid.near(ends[k].at(), [&](std::size_t other) {
+      if (!is_done[other] && glm::distance(ends[other].at(), ends[k].at()) <= kMeetingReach) group.push_back(other);
     });
     if (group.size() < 2) continue;
-    std::sort(group.begin(), group.end());
     std::vector<FittedCurve> curves;
     dvec2 mean(0.0);
     for (const std::size_t each : group) {
       curves.push_back(ends[each].piece().curve);
-      mean += places[each] / double(group.size());
+      mean += ends[each].at() / double(group.size());
     }
     const dvec2 meeting = meeting_point(curves, mean, kMeetingReach);
     for (const std::size_t each : group) {
