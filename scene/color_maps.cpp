@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <sstream>
 
 #include "core/color.h"
 #include "core/numbers.h"
@@ -16,50 +17,39 @@ namespace {
 
 struct BuiltinMap {
   std::string_view name;
-  std::string_view colors;  ///< rrggbb of each control point
   bool smooth;
+  std::string_view colors;  ///< rrggbb of each control point
 };
 
 // Control points fitted to the published tables of 256 colours, from which the curves through them differ by at most
 // 1.94/255 in a channel. RdBu and Spectral are the tables themselves.
 constexpr BuiltinMap kMaps[] = {
-    {"viridis",
-     "4401544814664825754634804144873b528b345f8d2f6c8e2a788e25848e21908c1e9c8922a8842fb47c43bf715dc9637ad1519ad93dbcdf2"
-     "8"
-     "dee318fde724",
-     true},
-    {"cividis",
-     "00224e002757002b61002f6d02327115366f1f3a6f283e6e30426d37466c3d4a6c434e6c49526c4e566c545a6d595e6e5e626e636770686b7"
-     "1"
-     "6d6f727273747777767c7b788280788784798d8878928d789891779e9676a39a74a99f73afa371b5a86fbbad6cc1b26ac7b767cdbc63d4c15"
-     "f"
-     "dac65be0cb56e7d050edd649f4db43fbe137fee836",
-     true},
-    {"magma", "0000030a08211d114635106b51127c691c808225829c2e7fb63779cf4170e65163f5695cfb8761fea571fec387fde0a2fcfdbf",
-     true},
-    {"inferno",
-     "00000307051c170c3b2c0b58420a6857106d6b176e7f1f6c932667a82d5fbb3755cd4248dd513ae9622af3771bf98d09fca50afbbd23f7d64"
-     "4"
-     "f1ee72fbffa5",
-     true},
-    {"plasma",
-     "0d07872206903105963f049c4c02a15901a56600a77201a87e03a88909a69511a29f1a9ca92396b22c8ebb3587c33e80cb4778d25071d9596"
-     "a"
-     "e06263e66c5ceb7555f07f4ff48a48f89441fb9f3afdab33feb72dfdc328fcd025f9dd24f5eb28f0f923",
-     true},
-    {"turbo", "31123c4040a3466be24393ff29bbec17dcc330f2996cfd64a3fd3ccbed34edd03afdae35fb8022ec520fd23105ac17017b0402",
-     true},
-    {"coolwarm",
-     "3b4cc0475fd05471de6282ea7092f37ea2fa8db0fe9cbcffaac7fdb8cff9c5d6f2d2dae8dddcdce7d7cdefcfbdf4c4adf7b89cf7aa8bf49a7"
-     "b"
-     "ef886be7755bde604dd2493fc43032b40526",
-     true},
-    {"RdBu", "67001fb2182bd6604df4a582fddbc7f7f7f7d1e5f092c5de4393c32166ac053061", false},
-    {"Spectral", "9e0142d53e4ff46d43fdae61fee08bffffbfe6f598abdda466c2a53288bd5e4fa2", false},
-    {"gray", "000000ffffff", false}};
+    {"viridis", true,
+     "4401544814664825754634804144873b528b345f8d2f6c8e2a788e25848e21908c1e9c8922a8842fb47c43bf715dc9637ad1519ad93d"
+     "bcdf28dee318fde724"},
+    {"cividis", true,
+     "00224e002757002b61002f6d02327115366f1f3a6f283e6e30426d37466c3d4a6c434e6c49526c4e566c545a6d595e6e5e626e636770"
+     "686b716d6f727273747777767c7b788280788784798d8878928d789891779e9676a39a74a99f73afa371b5a86fbbad6cc1b26ac7b767"
+     "cdbc63d4c15fdac65be0cb56e7d050edd649f4db43fbe137fee836"},
+    {"magma", true,
+     "0000030a08211d114635106b51127c691c808225829c2e7fb63779cf4170e65163f5695cfb8761fea571fec387fde0a2fcfdbf"},
+    {"inferno", true,
+     "00000307051c170c3b2c0b58420a6857106d6b176e7f1f6c932667a82d5fbb3755cd4248dd513ae9622af3771bf98d09fca50afbbd23"
+     "f7d644f1ee72fbffa5"},
+    {"plasma", true,
+     "0d07872206903105963f049c4c02a15901a56600a77201a87e03a88909a69511a29f1a9ca92396b22c8ebb3587c33e80cb4778d25071"
+     "d9596ae06263e66c5ceb7555f07f4ff48a48f89441fb9f3afdab33feb72dfdc328fcd025f9dd24f5eb28f0f923"},
+    {"turbo", true,
+     "31123c4040a3466be24393ff29bbec17dcc330f2996cfd64a3fd3ccbed34edd03afdae35fb8022ec520fd23105ac17017b0402"},
+    {"coolwarm", true,
+     "3b4cc0475fd05471de6282ea7092f37ea2fa8db0fe9cbcffaac7fdb8cff9c5d6f2d2dae8dddcdce7d7cdefcfbdf4c4adf7b89cf7aa8b"
+     "f49a7bef886be7755bde604dd2493fc43032b40526"},
+    {"RdBu", false, "67001fb2182bd6604df4a582fddbc7f7f7f7d1e5f092c5de4393c32166ac053061"},
+    {"Spectral", false, "9e0142d53e4ff46d43fdae61fee08bffffbfe6f598abdda466c2a53288bd5e4fa2"},
+    {"gray", false, "000000ffffff"}};
 
 constexpr std::string_view kReversed = "_r";
-constexpr std::size_t kMaxColors = 65536;  // of a file
+constexpr std::size_t kMaxBytes = 1 << 20;  // of a file
 
 std::optional<ColorMap> builtin_map(std::string_view name) {
   const bool reversed = name.ends_with(kReversed);
@@ -104,14 +94,19 @@ std::optional<std::array<float, 3>> color_of_line(const std::vector<std::string>
 }
 
 Result<ColorMap> map_of_file(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) return file_error("'{}' cannot be opened: it is to hold a colour map", path);
+  std::ifstream whole(path, std::ios::binary);
+  if (!whole) return file_error("'{}' cannot be opened: it is to hold a colour map", path);
+  std::string text(kMaxBytes + 1, '\0');
+  text.resize(std::size_t(whole.read(text.data(), std::streamsize(text.size())).gcount()));
+  if (text.size() > kMaxBytes)
+    return file_error("'{}' has more than {} bytes, which are too many for a colour map", path, kMaxBytes);
+  std::istringstream file(text);
   ColorMap map{path, {}, false};
   std::vector<std::size_t> scaled;  // colours of numbers
   float max = 0.0f;
   std::size_t number = 0;
   bool has_heading = false;
-  for (std::string line; std::getline(file, line) && map.colors.size() <= kMaxColors;) {
+  for (std::string line; std::getline(file, line);) {
     ++number;
     const auto words = words_of_line(line);
     if (words.empty()) continue;
@@ -129,11 +124,9 @@ Result<ColorMap> map_of_file(const std::string& path) {
     if (numbers) max = std::max({max, (*color)[0], (*color)[1], (*color)[2]});
     map.colors.push_back(*color);
   }
-  if (map.colors.size() > kMaxColors)
-    return file_error("'{}' has more than {} colours: a colour map takes 2 to {}", path, kMaxColors, kMaxColors);
   if (map.colors.size() < 2)
-    return file_error("'{}' has {}: a colour map takes 2 to {}", path, map.colors.empty() ? "no colours" : "one colour",
-                      kMaxColors);
+    return file_error("'{}' has {}: a colour map takes two or more", path,
+                      map.colors.empty() ? "no colours" : "one colour");
   if (max > 1.0f)
     for (const std::size_t k : scaled)
       for (float& v : map.colors[k]) v /= 255.0f;

@@ -103,6 +103,7 @@ TEST_F(ColorMapFiles, HoldAColourPerLine) {
     ASSERT_FALSE(broken) << text;
     EXPECT_NE(broken.error().message.find(part), std::string::npos) << broken.error().message;
   }
+  EXPECT_NE(map_of(std::string(2 << 20, '\n')).error().message.find("too many"), std::string::npos);
   EXPECT_NE(color_map("nowhere.csv").error().message.find("cannot be opened"), std::string::npos);
   EXPECT_NE(color_map("virdis").error().message.find("did you mean 'viridis'?"), std::string::npos);
 }
