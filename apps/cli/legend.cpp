@@ -38,6 +38,10 @@ DrawnPath line_of(const Page& page, float x0, float y0, float x1, float y1) {
   return {.x = x0, .y = y0, .segments = {{x1, y1}}, .stroke = page.ink, .width = page.line(), .round = false};
 }
 
+DrawnText text_of(const Page& page, float x, float y, std::string text, TextAnchor anchor = TextAnchor::kStart) {
+  return {.x = x, .y = y, .size = page.font, .anchor = anchor, .color = page.ink, .text = std::move(text)};
+}
+
 DrawnPath rectangle(float x, float y, float width, float height) {
   return {
       .x = x, .y = y, .segments = {{x + width, y}, {x + width, y + height}, {x, y + height}, {x, y}}, .closed = true};
@@ -167,29 +171,19 @@ void add_colors(const ValueColors& values, float x, float y, float width, float 
   layer.shapes.emplace_back(std::move(image));
 }
 
+/// The font is installed. Errors: kUsage for a title that is too long.
 Result<DrawnLayer> color_bar(const LegendSettings& settings, const ValueColors& values, const Page& page) {
   constexpr float kHeight = 0.56f, kTop = 0.14f;  // of the picture
   DrawnLayer layer{.name = "color-bar", .object = -1, .opacity = 1.0f, .shapes = {}};
   const float height = kHeight * page.height, width = 1.3f * page.font, tick = 0.35f * page.font;
   const Ticks ticks = ticks_of(values, std::clamp(int(height / (1.8f * page.font)), 4, 11));
-  const auto factor_width = text_width(ticks.factor, page.font);
-  if (!factor_width) return factor_width.error();
-  float labels = *factor_width;
-  for (const Tick& each : ticks.all) {
-    const auto wide = text_width(each.label, page.font);
-    if (!wide) return wide.error();
-    labels = std::max(labels, *wide);
-  }
+  const auto width_of = [&](const std::string& text) { return *text_width(text, page.font); };
+  float labels = width_of(ticks.factor);
+  for (const Tick& each : ticks.all) labels = std::max(labels, width_of(each.label));
   constexpr const char* kMissing = "no value";
-  const float swatch_label = width + tick;  // from the bar's left side
-  if (values.missing_count > 0) {
-    const auto wide = text_width(kMissing, page.font);
-    if (!wide) return wide.error();
-    labels = std::max(labels, *wide - 0.4f * page.font);
-  }
+  if (values.missing_count > 0) labels = std::max(labels, width_of(kMissing) - 0.4f * page.font);
   const std::string title = printable(settings.title.empty() ? values.name : settings.title);
-  const auto title_width = text_width(title, page.font);
-  if (!title_width) return title_width.error();
+  const float title_width = width_of(title);
   const float right = page.width - page.margin(), top = std::max(kTop * page.height, 3.0f * page.font);
   const float labels_x = right - labels, x = labels_x - 0.4f * page.font - tick - width;
   add_colors(values, x, top, width, height, layer);
@@ -199,34 +193,24 @@ Result<DrawnLayer> color_bar(const LegendSettings& settings, const ValueColors& 
   for (const Tick& each : ticks.all) {
     const float y = top + float(1.0 - each.place) * height;
     layer.shapes.emplace_back(line_of(page, x + width, y, x + width + tick, y));
-    layer.shapes.emplace_back(DrawnText{.x = labels_x,
-                                        .y = y + 0.5f * kDigitHeight * page.font,
-                                        .size = page.font,
-                                        .color = page.ink,
-                                        .text = each.label});
+    layer.shapes.emplace_back(text_of(page, labels_x, y + 0.5f * kDigitHeight * page.font, each.label));
   }
-  if (!ticks.factor.empty())
-    layer.shapes.emplace_back(DrawnText{
-        .x = labels_x, .y = top - 0.6f * page.font, .size = page.font, .color = page.ink, .text = ticks.factor});
+  if (!ticks.factor.empty()) layer.shapes.emplace_back(text_of(page, labels_x, top - 0.6f * page.font, ticks.factor));
   // A short title begins at the bar; a long one ends at the right margin, in smaller letters if it is longer than the
   // picture is wide.
-  const float shrink = std::min(1.0f, (page.width - 2.0f * page.margin()) / *title_width);
+  const float shrink = std::min(1.0f, (page.width - 2.0f * page.margin()) / title_width);
   if (shrink < kMinShrink)
     return field_error("--color-bar-title", title, "{} '{}' does not fit into the picture: give a shorter one");
-  layer.shapes.emplace_back(DrawnText{.x = std::min(x, right - shrink * *title_width),
-                                      .y = top - (ticks.factor.empty() ? 0.9f : 1.9f) * page.font,
-                                      .size = shrink * page.font,
-                                      .color = page.ink,
-                                      .text = title});
+  DrawnText heading = text_of(page, std::min(x, right - shrink * title_width),
+                              top - (ticks.factor.empty() ? 0.9f : 1.9f) * page.font, title);
+  heading.size *= shrink;
+  layer.shapes.emplace_back(std::move(heading));
   if (values.missing_count > 0) {
     DrawnPath swatch = rectangle(x, top + height + 0.8f * page.font, width, page.font);
     swatch.fill = values.missing, swatch.stroke = page.ink, swatch.width = page.line();
     layer.shapes.emplace_back(std::move(swatch));
-    layer.shapes.emplace_back(DrawnText{.x = x + swatch_label,
-                                        .y = top + height + (1.3f + 0.5f * kDigitHeight) * page.font,
-                                        .size = page.font,
-                                        .color = page.ink,
-                                        .text = kMissing});
+    layer.shapes.emplace_back(
+        text_of(page, x + width + tick, top + height + (1.3f + 0.5f * kDigitHeight) * page.font, kMissing));
   }
   return layer;
 }
@@ -251,13 +235,9 @@ Result<DrawnLayer> scale_bar(const LegendSettings& settings, const Scene& scene,
   layer.shapes.emplace_back(std::move(bar));
   for (const float x : {left, right}) layer.shapes.emplace_back(line_of(page, x, y - end, x, y + end));
   const std::string label = log_text(length, length >= kMaxPlain || length < kMinPlain);
-  layer.shapes.emplace_back(
-      DrawnText{.x = 0.5f * (left + right),
-                .y = y - 0.7f * page.font,
-                .size = page.font,
-                .anchor = TextAnchor::kMiddle,
-                .color = page.ink,
-                .text = settings.length_unit.empty() ? label : label + " " + settings.length_unit});
+  layer.shapes.emplace_back(text_of(page, 0.5f * (left + right), y - 0.7f * page.font,
+                                    settings.length_unit.empty() ? label : label + " " + settings.length_unit,
+                                    TextAnchor::kMiddle));
   return layer;
 }
 
@@ -294,12 +274,8 @@ DrawnLayer axes(const Camera& camera, const Page& page) {
                                                      {tip_x, tip_y}},
                                         .closed = true,
                                         .fill = color});
-    layer.shapes.emplace_back(DrawnText{.x = tip_x + kLabel * page.font * ux,
-                                        .y = tip_y + kLabel * page.font * uy + 0.27f * page.font,
-                                        .size = page.font,
-                                        .anchor = TextAnchor::kMiddle,
-                                        .color = page.ink,
-                                        .text = kNames[axis]});
+    layer.shapes.emplace_back(text_of(page, tip_x + kLabel * page.font * ux, tip_y + (kLabel * uy + 0.27f) * page.font,
+                                      kNames[axis], TextAnchor::kMiddle));
   }
   return layer;
 }
@@ -360,6 +336,7 @@ Result<std::vector<DrawnLayer>> legends_of(const LegendSettings& settings, const
   const float side = float(std::min(width, height));
   const Page page{float(width), float(height), font_size_for(settings, side), settings.ink};
   std::vector<DrawnLayer> layers;
+  if (auto font = text_width("", 1.0f); !font && settings.any()) return font.error();
   if (settings.color_bar) {
     if (!scene.value_colors)
       return field_error("--color-bar", true, "{0} shows the values of --color-by, which is not given");
