@@ -50,34 +50,28 @@ Result<void> apply_print_size(RenderOptions& o) {
 float FigureOptions::mm_per_pixel() const { return dpi > 0.0 ? float(kMmPerInch / dpi) : kMmPerCssPixel; }
 
 void add_figure_options(CLI::App& command, FigureOptions& options) {
-  const auto group = "Figure";
-  command.add_flag("--color-bar", options.legend.color_bar, "draw a bar with the colours of the values of --color-by")
-      ->group(group);
+  const std::string group = command.option_defaults()->get_group();
+  command.option_defaults()->group("Figure");
+  command.add_flag("--color-bar", options.legend.color_bar, "draw a bar with the colours of the values of --color-by");
   command.add_option("--color-bar-title", options.legend.title, "title of that bar [the name of the values]")
-      ->type_name("TEXT")
-      ->group(group);
-  command
-      .add_flag("--scale-bar", options.legend.scale_bar,
-                "draw a bar of a round length; in perspective it holds at the depth of the model's centre")
-      ->group(group);
+      ->type_name("TEXT");
+  command.add_flag("--scale-bar", options.legend.scale_bar,
+                   "draw a bar of a round length; in perspective it holds at the depth of the model's centre");
   command
       .add_option("--length-unit", options.legend.length_unit,
                   "unit of the model's lengths, such as mm, for the scale bar [that of the format, or none]")
-      ->type_name("TEXT")
-      ->group(group);
-  command.add_flag("--axes", options.legend.axes, "draw the directions of the axes")->group(group);
+      ->type_name("TEXT");
+  command.add_flag("--axes", options.legend.axes, "draw the directions of the axes");
   command
       .add_option("--legend", options.legend_file,
                   "write bars and axes to this .png, .svg or .pdf of the picture's size, in place of the picture")
-      ->type_name("FILE")
-      ->group(group);
-  add_number(command, "--dpi", options.dpi, {1.0, 10000.0}, "pixels per inch on paper, written to the file", "none")
-      ->group(group);
+      ->type_name("FILE");
+  add_number(command, "--dpi", options.dpi, {1.0, 10000.0}, "pixels per inch on paper, written to the file", "none");
   command
       .add_option("--print-size", options.print_size,
                   "width,height on paper, mm, in place of --resolution; at --dpi, 300 if it is not given")
-      ->type_name("MM,MM")
-      ->group(group);
+      ->type_name("MM,MM");
+  command.option_defaults()->group(group);
 }
 
 Result<void> apply_figure_options(RenderOptions& o) {
