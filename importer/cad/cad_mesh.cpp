@@ -48,35 +48,6 @@ void make_triangles(const TDF_LabelSequence& whole, const TDF_LabelSequence& par
     if (!XCAFDoc_ShapeTool::IsAssembly(label)) BRepMesh_IncrementalMesh(XCAFDoc_ShapeTool::GetShape(label), rules);
 }
 
-/// The normals of a surface, unit.
-class SurfaceNormals {
- public:
-  explicit SurfaceNormals(const TopoDS_Face& face) : surface_(face, false), properties_(surface_, 1, kResolution) {}
-
-  /// Returns the normal at these parameters; nothing where the surface has none, such as at the tip of a cone.
-  std::optional<glm::dvec3> at(const gp_Pnt2d& uv) {
-    properties_.SetParameters(uv.X(), uv.Y());
-    if (!properties_.IsNormalDefined()) return std::nullopt;
-    return vector_of(properties_.Normal().XYZ());
-  }
-
-  /// Returns the normal beside such a point, `tip`, in the middle between the two other corners of a triangle.
-  std::optional<glm::dvec3> beside(const gp_Pnt2d& tip, const gp_Pnt2d& a, const gp_Pnt2d& b) {
-    constexpr double kStep = 0.01;
-    const gp_XY middle = 0.5 * (a.XY() + b.XY()), near = (1.0 - kStep) * tip.XY() + kStep * middle;
-    const gp_Pnt2d along_u(near.X(), middle.Y()), along_v(middle.X(), near.Y());  // one parameter has no effect there
-    const gp_Pnt place = surface_.Value(tip.X(), tip.Y());
-    const bool is_u = place.SquareDistance(surface_.Value(along_u.X(), along_u.Y())) <
-                      place.SquareDistance(surface_.Value(along_v.X(), along_v.Y()));
-    return at(is_u ? along_u : along_v);
-  }
-
- private:
-  static constexpr double kResolution = 1e-9;
-  BRepAdaptor_Surface surface_;
-  BRepLProp_SLProps properties_;
-};
-
 /// Adds the triangles of a face to a mesh. `is_mirrored`: by the place of the part. Faces of IGES that are mirrored
 /// within their part are already turned for that, which RWMesh_FaceIterator::TriangleOriented does not know.
 void add_face(const RWMesh_FaceIterator& face, bool is_mirrored, PlacedMesh& to) {
@@ -84,16 +55,20 @@ void add_face(const RWMesh_FaceIterator& face, bool is_mirrored, PlacedMesh& to)
   const Poly_Triangulation& triangles = *face.Triangulation();
   const auto first = std::uint32_t(mesh.normals.size());
   const auto node_count = std::size_t(face.NbNodes());
-  std::optional<SurfaceNormals> surface;
-  if (triangles.HasUVNodes() && !BRep_Tool::Surface(face.Face()).IsNull()) surface.emplace(face.Face());
-  std::vector<glm::dvec3> positions(node_count), normals(node_count), flat(node_count);
-  std::vector<bool> is_tip(node_count);
+  constexpr double kResolution = 1e-9;
+  std::optional<BRepLProp_SLProps> surface;
+  if (triangles.HasUVNodes() && !BRep_Tool::Surface(face.Face()).IsNull())
+    surface.emplace(BRepAdaptor_Surface(face.Face(), false), 1, kResolution);
+  std::vector<glm::dvec3> positions(node_count), normals(node_count, glm::dvec3(0.0)), flat(normals);
+  std::vector<bool> is_tip(node_count);  // the surface has no normal there, as at the tip of a cone
   for (std::size_t i = 0; i < node_count; ++i) {
     const int node = int(i) + 1;
     positions[i] = vector_of(face.NodeTransformed(node).XYZ());
-    const auto normal = surface ? surface->at(triangles.UVNode(node)) : std::nullopt;
-    normals[i] = normal.value_or(glm::dvec3(0.0));
-    is_tip[i] = surface && !normal;
+    if (!surface) continue;
+    const gp_Pnt2d uv = triangles.UVNode(node);
+    surface->SetParameters(uv.X(), uv.Y());
+    is_tip[i] = !surface->IsNormalDefined();
+    if (!is_tip[i]) normals[i] = vector_of(surface->Normal().XYZ());
   }
   double outward = 0.0;  // how far the normals agree with the order of the triangles' corners
   for (int t = face.ElemLower(); t <= face.ElemUpper(); ++t) {
@@ -109,11 +84,8 @@ void add_face(const RWMesh_FaceIterator& face, bool is_mirrored, PlacedMesh& to)
       flat[corner] += area;
       outward += glm::dot(area, normals[corner]);
       if (!is_tip[corner]) continue;
-      const auto uv = [&](std::size_t i) { return triangles.UVNode(triangle.Value(int(i % 3) + 1)); };
-      const auto normal = surface->beside(uv(k), uv(k + 1), uv(k + 2));
-      if (!normal) continue;
       positions.push_back(glm::dvec3(positions[corner]));  // each triangle has its own normal there
-      normals.push_back(*normal);
+      normals.emplace_back(0.0);
       flat.push_back(area);
       corner = normals.size() - 1;
     }
