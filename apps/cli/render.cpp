@@ -146,6 +146,9 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   const auto memory = parse_memory(o.memory);
   if (!memory) return memory.error();
   job.memory = *memory;
+  constexpr double kBytes = 4.0;  // of a pixel of legends, and of the notes of a sheet
+  if (!is_page(o.output) && (o.figure.legend.any() || !o.views.empty()))
+    job.memory -= kBytes * o.request.width * o.request.height;
   auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
   recipe->is_steady = output->is_moving() && o.steady > 0 && can_be_steady(*recipe);
