@@ -181,7 +181,9 @@ Result<void> cut_scene(const SectionSettings& settings, Scene& scene) {
   std::vector<PartedMesh> meshes;
   std::optional<Mesh> ground;
   bool has_spheres = false;
+  int objects = 0;
   for (Mesh& mesh : scene.meshes) {
+    objects = std::max(objects, mesh.object + 1);
     if (mesh.object == scene.ground_object) {
       ground = std::move(mesh);
       continue;
@@ -205,7 +207,7 @@ Result<void> cut_scene(const SectionSettings& settings, Scene& scene) {
     if (!meshes[k].mesh.positions.empty()) scene.meshes.push_back(std::move(meshes[k].mesh));
   if (ground) scene.meshes.push_back(std::move(*ground));
   meshes.erase(meshes.begin(), meshes.begin() + std::ptrdiff_t(model_meshes));
-  add_caps(settings, planes, std::move(meshes), parts, radius, scene);
+  add_caps(settings, planes, std::move(meshes), parts, radius, objects, scene);
   if (scene.meshes.size() == std::size_t(bool(ground)))
     return field_error("sections", planes.back().text, "`{}` '{}' leaves nothing of what the others leave of '{}'",
                        scene.name);

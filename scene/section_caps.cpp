@@ -9,6 +9,7 @@
 #include <map>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "core/color.h"
 #include "scene/section_parts.h"
@@ -177,51 +178,48 @@ CutLoops join_segments(std::span<const CutSegment> segments) {
   return out;
 }
 
-/// A box around a cap, its area, and what follows from its neighbours.
-struct CapShape {
+/// A cap, a box around it, its area, and what follows from its neighbours.
+struct SectionCap {
+  PartedMesh cap;
   glm::vec3 low{std::numeric_limits<float>::max()}, high{std::numeric_limits<float>::lowest()};
   double area = 0.0;
   int level = 0;  ///< number of steps by which it is moved outward
 
-  bool meets(const CapShape& other, float gap) const {
+  explicit SectionCap(PartedMesh from) : cap(std::move(from)) {
+    const Mesh& mesh = cap.mesh;
+    for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+      const glm::dvec3 a(mesh.positions[mesh.indices[i]]), b(mesh.positions[mesh.indices[i + 1]]),
+          c(mesh.positions[mesh.indices[i + 2]]);
+      area += 0.5 * glm::length(glm::cross(b - a, c - a));
+    }
+  }
+  std::uint32_t part() const { return cap.parts[0]; }
+  bool meets(const SectionCap& other, float gap) const {
     for (int k = 0; k < 3; ++k)
       if (low[k] - gap > other.high[k] || other.low[k] - gap > high[k]) return false;
     return true;
   }
 };
 
-CapShape shape_of(const Mesh& cap) {
-  CapShape shape;
-  for (const glm::vec3& p : cap.positions) shape.low = glm::min(shape.low, p), shape.high = glm::max(shape.high, p);
-  for (std::size_t i = 0; i < cap.indices.size(); i += 3) {
-    const glm::dvec3 a(cap.positions[cap.indices[i]]), b(cap.positions[cap.indices[i + 1]]),
-        c(cap.positions[cap.indices[i + 2]]);
-    shape.area += 0.5 * glm::length(glm::cross(b - a, c - a));
-  }
-  return shape;
-}
-
 constexpr int kCapStyles = 6;
 
 /// Sets the levels of caps, which are sorted by area, large ones first, and the styles of their parts.
-void find_neighbors(std::span<const PartedMesh> caps, float radius, std::vector<CapShape>& shapes,
-                    std::vector<SectionPart>& parts) {
+void find_neighbors(std::vector<SectionCap>& caps, float radius, std::vector<SectionPart>& parts) {
   constexpr float kGap = 0.1f;  // of the radius: parts that are closer to each other are neighbours
   constexpr int kMaxLevel = 16;
   std::vector<char> has_style(parts.size(), 0);
   for (std::size_t k = 0; k < caps.size(); ++k) {
-    const std::uint32_t part = caps[k].parts[0];
+    SectionCap& cap = caps[k];
     std::array<int, kCapStyles> used{};
-    for (std::size_t j = 0; j < k; ++j) {
-      const std::uint32_t other = caps[j].parts[0];
-      if (other == part || !shapes[k].meets(shapes[j], kGap * radius)) continue;
-      ++used[std::size_t(parts[other].style)];
-      if (caps[j].cap_of == caps[k].cap_of && shapes[k].meets(shapes[j], 0.0f))
-        shapes[k].level = std::max(shapes[k].level, std::min(shapes[j].level + 1, kMaxLevel));
+    for (const SectionCap& other : std::span(caps).first(k)) {
+      if (other.part() == cap.part() || !cap.meets(other, kGap * radius)) continue;
+      ++used[std::size_t(parts[other.part()].style)];
+      if (other.cap.cap_of == cap.cap.cap_of && cap.meets(other, 0.0f))
+        cap.level = std::max(cap.level, std::min(other.level + 1, kMaxLevel));
     }
-    if (has_style[part]) continue;
-    has_style[part] = 1;
-    parts[part].style = int(std::min_element(used.begin(), used.end()) - used.begin());
+    if (std::exchange(has_style[cap.part()], 1)) continue;
+    parts[cap.part()].style = int(std::min_element(used.begin(), used.end()) - used.begin());
   }
 }
 
@@ -325,41 +323,38 @@ std::vector<PartedMesh> caps_of(const CutPlane& plane, std::vector<CutSegment> s
   return caps;
 }
 
-void add_caps(const SectionSettings& settings, std::span<const CutPlane> planes, std::vector<PartedMesh> caps,
-              std::vector<SectionPart>& parts, float radius, Scene& scene) {
+void add_caps(const SectionSettings& settings, std::span<const CutPlane> planes, std::vector<PartedMesh> meshes,
+              std::vector<SectionPart>& parts, float radius, int object, Scene& scene) {
   constexpr float kStep = 1e-5f;  // of the radius; as coplanar faces are moved
-  std::erase_if(caps, [](const PartedMesh& cap) { return cap.parts.empty(); });
-  std::vector<std::pair<double, std::size_t>> by_area;
-  for (std::size_t k = 0; k < caps.size(); ++k) by_area.emplace_back(-shape_of(caps[k].mesh).area, k);
-  std::sort(by_area.begin(), by_area.end());
-  std::vector<PartedMesh> sorted;
-  for (const auto& [area, k] : by_area) sorted.push_back(std::move(caps[k]));
-  std::vector<CapShape> shapes;
-  for (const PartedMesh& cap : sorted) shapes.push_back(shape_of(cap.mesh));
-  find_neighbors(sorted, radius, shapes, parts);
+  std::vector<SectionCap> caps;
+  for (PartedMesh& mesh : meshes)
+    if (!mesh.parts.empty()) caps.emplace_back(std::move(mesh));
+  std::stable_sort(caps.begin(), caps.end(), [](const auto& a, const auto& b) { return a.area > b.area; });
+  find_neighbors(caps, radius, parts);
 
-  int object = 0;
-  for (const Mesh& mesh : scene.meshes) object = std::max(object, mesh.object + 1);
   std::array<int, kCapStyles> materials;
   materials.fill(-1);
-  std::map<std::uint32_t, std::array<Mesh, 2>> meshes;  // by part
-  std::map<std::uint32_t, double> distances;
-  for (std::size_t k = 0; k < sorted.size(); ++k) {
-    const std::uint32_t part = sorted[k].parts[0];
-    const int style = parts[part].style;
-    const CutPlane& plane = planes[std::size_t(sorted[k].cap_of)];
+  struct PartCaps {
+    std::array<Mesh, 2> meshes;
+    double distance;  ///< of the hatching
+  };
+  std::map<std::uint32_t, PartCaps> made;  // by part
+  for (SectionCap& each : caps) {
+    const int style = parts[each.part()].style;
+    const CutPlane& plane = planes[std::size_t(each.cap.cap_of)];
     const glm::vec3 normal(plane.normal);
-    Mesh& cap = sorted[k].mesh;
-    if (shapes[k].level > 0)
-      for (glm::vec3& p : cap.positions) p += float(shapes[k].level) * kStep * radius * normal;
-    std::array<Mesh, 2>& to = meshes[part];
-    if (to[0].object == 0)
+    Mesh& cap = each.cap.mesh;
+    for (glm::vec3& p : cap.positions) p += float(each.level) * kStep * radius * normal;
+    const auto [found, is_new] = made.try_emplace(each.part());
+    auto& [to, distance] = found->second;
+    if (is_new) {
+      distance = hatch_distance(each.area, radius, style);
       for (Mesh& mesh : to)
         mesh.name = "section", mesh.object = object++, mesh.material = cap_material(settings, style, materials, scene);
+    }
     if (settings.hatched) {
       const PlaneAxes axes = plane_axes(plane.normal, scene.up);
       const glm::dvec3 across = glm::normalize(kHatchStyles[style].falls ? axes.right + axes.up : axes.right - axes.up);
-      const double distance = distances.try_emplace(part, hatch_distance(shapes[k].area, radius, style)).first->second;
       append_strips(cap, across, distance, normal, to);
     } else {
       const auto first = std::uint32_t(to[0].positions.size());
@@ -368,8 +363,8 @@ void add_caps(const SectionSettings& settings, std::span<const CutPlane> planes,
       for (const std::uint32_t index : cap.indices) to[0].indices.push_back(first + index);
     }
   }
-  for (auto& [part, pair] : meshes)
-    for (Mesh& mesh : pair)
+  for (auto& [part, of_part] : made)
+    for (Mesh& mesh : of_part.meshes)
       if (!mesh.indices.empty()) scene.meshes.push_back(std::move(mesh));
 }
 

@@ -60,8 +60,9 @@ std::vector<PartedMesh> caps_of(const CutPlane& plane, std::vector<CutSegment> s
                                 std::vector<SectionPart>& parts);
 
 /// Turns caps into meshes of a scene: with objects, materials and, if they are hatched, strips. Caps of different parts
-/// that may overlap are moved apart by 1e-5 of `radius`, the smaller one outward.
+/// that may overlap are moved apart by 1e-5 of `radius`, the smaller one outward. `object`: number of
+/// the first one.
 void add_caps(const SectionSettings& settings, std::span<const CutPlane> planes, std::vector<PartedMesh> caps,
-              std::vector<SectionPart>& parts, float radius, Scene& scene);
+              std::vector<SectionPart>& parts, float radius, int object, Scene& scene);
 
 }  // namespace umbrage
