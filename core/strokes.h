@@ -12,6 +12,7 @@ enum class StrokeKind {
   kHatch,       ///< hatching along a surface
   kCrossHatch,  ///< hatching that crosses other hatching
   kHidden,      ///< an edge behind the visible surface
+  kSection,     ///< border of a section's cap; only in drawings
 };
 
 struct StrokePoint {
@@ -26,6 +27,7 @@ struct Stroke {
   bool closed = false;                     ///< the last point equals the first
   std::vector<StrokePoint> points;
   float dash = 0.0f, gap = 0.0f;  ///< lengths in pixels of a dashed line, which begins with a dash; 0: solid
+  int beside = 0;                 ///< object_id on the other side at its middle; that of `object` if it is the same
 };
 
 struct Strokes {

@@ -28,21 +28,16 @@ constexpr float kMinWidth = 0.005f;          // pixels: thinner lines are left o
 constexpr float kMaxMagnitude = 1e9f;        // pixels: limit of coordinates and widths
 
 std::string_view layer_name(StrokeKind kind) {
-  switch (kind) {
-    case StrokeKind::kOutline:
-      return "outline";
-    case StrokeKind::kFold:
-      return "fold";
-    case StrokeKind::kHatch:
-      return "hatch";
-    case StrokeKind::kCrossHatch:
-      return "cross-hatch";
-    case StrokeKind::kHidden:
-      return "hidden";
-    case StrokeKind::kCrease:
-      break;
-  }
-  return "crease";
+  constexpr std::string_view kNames[] = {"outline", "fold", "crease", "hatch", "cross-hatch", "hidden", "section"};
+  return kNames[std::min(std::size_t(kind), std::size(kNames) - 1)];
+}
+
+/// Returns the kind of a line in drawings: at caps of sections, what is between two strips of one is hatching.
+StrokeKind drawn_kind(const Stroke& stroke, const std::map<int, int>& caps) {
+  const auto here = caps.find(stroke.object), there = caps.find(stroke.beside);
+  if (stroke.kind == StrokeKind::kHidden || (here == caps.end() && there == caps.end())) return stroke.kind;
+  const bool is_one_cap = here != caps.end() && there != caps.end() && here->second == there->second;
+  return is_one_cap && std::abs(stroke.object - stroke.beside) == 1 ? StrokeKind::kHatch : StrokeKind::kSection;
 }
 
 /// Returns the widths along a piece, from the samples that it was fitted to.
@@ -178,7 +173,9 @@ Result<Drawing> drawing_of(const Strokes& strokes, const LineStyle& style) {
   if (auto status = check_strokes(strokes); !status) return status.error();
   std::map<std::pair<StrokeKind, int>, std::vector<DrawnShape>> layers;
   std::vector<Line> lines;
-  for (const Stroke& stroke : strokes.strokes) {
+  std::vector<Stroke> drawn = strokes.strokes;
+  for (Stroke& stroke : drawn) {
+    stroke.kind = drawn_kind(stroke, style.caps);
     const auto width = [](const StrokePoint& a, const StrokePoint& b) { return a.width < b.width; };
     const auto widest = std::max_element(stroke.points.begin(), stroke.points.end(), width);
     if (widest == stroke.points.end() || widest->width < kMinWidth) continue;

@@ -61,10 +61,34 @@ TEST_F(DxfTest, HasLinesArcsCirclesAndTexts) {
   EXPECT_FALSE(dxf_text(drawing));
 }
 
+constexpr const char* kBox =
+    "v 0 0 0\nv 40 0 0\nv 40 0 10\nv 0 0 10\nv 0 20 0\nv 40 20 0\nv 40 20 10\nv 0 20 10\n"
+    "f 4 3 7 8\nf 3 2 6 7\nf 1 4 8 5\nf 2 1 5 6\nf 8 7 6 5\nf 1 2 3 4\n";
+
+TEST_F(DxfTest, CapsOfSectionsHaveLayersForTheirOutlinesAndHatching) {
+  write("box.obj", kBox);
+  for (const std::string look : {"cartoon", "technical"}) {
+    good(
+        "box.obj --device cpu --resolution 600,600 --camera-orthographic --camera-direction 0,0,-1 --section \"z<50%\" "
+        "--look " +
+        look + " -o cut.dxf");
+    std::map<std::string, int> lines;
+    std::istringstream all(entities("cut.dxf"));
+    for (std::string line; std::getline(all, line) && !line.starts_with("extents");) {
+      const test::Words words = test::words_of(line);
+      ++lines[words[1]];
+      if (words[1] != "hatch") continue;
+      const double x = std::stod(words[6]) - std::stod(words[4]), y = std::stod(words[7]) - std::stod(words[5]);
+      EXPECT_NEAR(std::abs(x), std::abs(y), 0.1) << line;
+    }
+    EXPECT_EQ(lines["section"], 4);
+    EXPECT_GT(lines["hatch"], 10);
+    EXPECT_EQ(lines.size(), 2u) << "nothing else is seen from above";
+  }
+}
+
 TEST_F(DxfTest, OfParallelViewsHasTheUnitsOfTheModel) {
-  write("box.obj",
-        "v 0 0 0\nv 40 0 0\nv 40 0 10\nv 0 0 10\nv 0 20 0\nv 40 20 0\nv 40 20 10\nv 0 20 10\n"
-        "f 4 3 7 8\nf 3 2 6 7\nf 1 4 8 5\nf 2 1 5 6\nf 8 7 6 5\nf 1 2 3 4\n");
+  write("box.obj", kBox);
   good("box.obj --device cpu --resolution 600,600 --camera-orthographic --camera-direction 0,0,-1 -o front.dxf");
   double min[2] = {1e9, 1e9}, max[2] = {-1e9, -1e9};
   std::istringstream lines(entities("front.dxf"));

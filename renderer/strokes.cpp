@@ -3,6 +3,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -35,6 +36,19 @@ bool is_inside(const Stroke& stroke, int width, int height) {
     top = std::min(top, p.y - reach), bottom = std::max(bottom, p.y + reach);
   }
   return left < float(width) && right > 0.0f && top < float(height) && bottom > 0.0f;
+}
+
+/// Returns the object beside the line at its middle that is not its own; its own if there is no other one.
+int object_beside(const Stroke& stroke, const Plane& objects) {
+  if (stroke.points.size() < 2) return stroke.object;
+  const StrokePoint *b = &stroke.points[stroke.points.size() / 2], *a = b - 1;
+  const float dx = b->x - a->x, dy = b->y - a->y, length = std::max(std::hypot(dx, dy), 1e-6f);
+  for (const float side : {-1.0f, 1.0f}) {
+    const float x = 0.5f * (a->x + b->x) - side * dy / length, y = 0.5f * (a->y + b->y) + side * dx / length;
+    if (!(x >= 0.0f && x < float(objects.width) && y >= 0.0f && y < float(objects.height))) continue;
+    if (const float id = objects.row(int(y))[int(x)]; std::abs(id) < 1e9f && int(id) != stroke.object) return int(id);
+  }
+  return stroke.object;
 }
 
 }  // namespace
@@ -117,6 +131,8 @@ std::vector<std::string_view> edge_planes(const StrokeParameters& params, int la
 Strokes traced_strokes(const PictureInfo& info, const Image& planes, const StrokeParameters& params, int threads) {
   Strokes strokes{info.inner_width(), info.inner_height(), {}};
   for (const EffectStep& lines : params) append_strokes(lines, info, planes, threads, strokes.strokes);
+  const Plane* objects = planes.find("object_id");
+  for (Stroke& stroke : strokes.strokes) stroke.beside = objects ? object_beside(stroke, *objects) : stroke.object;
   for (Stroke& stroke : strokes.strokes)
     for (StrokePoint& p : stroke.points) p.x -= float(info.guard), p.y -= float(info.guard);
   std::erase_if(strokes.strokes,

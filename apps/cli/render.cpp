@@ -278,12 +278,17 @@ Result<void> render_scene(const RenderOptions& o, RenderJob& job, const std::sha
   const std::size_t meshes = scene->meshes.size();
   const std::string size = size_text(*scene);
   line->show("preparing " + scene->name);
+  int objects = 0;  // of the model; those of caps follow
+  for (const Mesh& mesh : scene->meshes) objects = std::max(objects, mesh.object + 1);
   const std::size_t printed = scene->warnings.size();
   if (auto done = complete_scene(*scene, job.recipe); !done) return done;
   for (std::size_t k = printed; k < scene->warnings.size(); ++k) {
     line->wipe();
     print_warning(scene->warnings[k]);
   }
+  for (const Mesh& mesh : scene->meshes)
+    if (mesh.object >= objects && mesh.object != scene->ground_object)
+      job.lines.style.caps[mesh.object] = mesh.material;
   if (!o.views.empty()) {
     if (auto ready = device->prepare(*scene); !ready) return ready;
     line.reset();
