@@ -1,6 +1,8 @@
 // Drawings as .dxf files, read back with ezdxf.
 #include "io/dxf.h"
 
+#include <map>
+
 #include "run_program.h"
 #include "support.h"
 

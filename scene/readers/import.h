@@ -24,8 +24,8 @@ struct ImportSettings {
   float animation_time = 0.0f;  ///< seconds from the start of the animation
   /// Name of the field of values to read; empty: all of them; not set: none.
   std::optional<std::string> field;
-  /// The larger side of the picture or more, pixels: curved surfaces of CAD files become triangles that differ from them by at
-  /// most a quarter of a pixel, if the whole model fills the picture.
+  /// The larger side of the picture or more, pixels: curved surfaces of CAD files become triangles that differ from
+  /// them by at most a quarter of a pixel, if the whole model fills the picture.
   int picture_px = 1024;
   bool file_lights = false;  ///< whether the lights of a glTF file are read; else looks have their own
 };
