@@ -1,6 +1,8 @@
 // Tests of legends: ticks, colours and places in the picture, their files, and what is refused.
 #include "apps/cli/legend.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
