@@ -71,6 +71,16 @@ void add_figure_options(CLI::App& command, FigureOptions& options) {
                   "write bars and axes to this .png, .svg or .pdf of the picture's size, in place of the picture")
       ->type_name("FILE")
       ->group(group);
+  CLI::Option* fill =
+      command
+          .add_option("--fill", options.fill,
+                      "areas below the lines of a .svg or .pdf: none, a colour per part, or its tones [none]")
+          ->type_name("NAME")
+          ->group(group);
+  add_check(*fill, [](const std::string& text) -> Result<void> {
+    if (text == "none" || text == "part" || text == "tone") return {};
+    return field_error("--fill", text, "{} cannot be '{}': it takes none, part or tone");
+  });
   add_number(command, "--dpi", options.dpi, {1.0, 10000.0}, "pixels per inch on paper, written to the file", "none")
       ->group(group);
   command
