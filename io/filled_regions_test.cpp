@@ -121,9 +121,9 @@ class FillTest : public test::ProgramTest {
 TEST_F(FillTest, LooksLikeThePicture) {
   const std::string line = "scene:pink --device cpu --look cartoon --background-color '#eeeeee' --resolution 320x320 ";
   good(line + "-o pink.png");
-  good(line + "-o pink.svg --fill tone");
+  good(line + "-o pink.svg --areas tone");
   EXPECT_GE(equal_share("pink.svg", "pink.png"), 0.95);
-  good(line + "-o part.svg --fill part");
+  good(line + "-o part.svg --areas part");
   good(line + "-o lines.svg");
   const double part = equal_share("part.svg", "pink.png"), lines = equal_share("lines.svg", "pink.png");
   EXPECT_LT(lines, part);
@@ -131,10 +131,10 @@ TEST_F(FillTest, LooksLikeThePicture) {
 }
 
 TEST_F(FillTest, IsOfDrawingsAlone) {
-  bad("nothere.obj -o out.png --look cartoon --fill tone", 2, {"--fill tone", ".svg"});
-  bad("nothere.obj -o out.dxf --fill part", 2, {"--fill part", ".svg"});
-  bad("nothere.obj -o out.svg --look studio --fill part", 2, {"--fill part", "cartoon"});
-  bad("nothere.obj -o out.svg --fill parts", 2, {"--fill", "'parts'", "none, part or tone"});
+  bad("nothere.obj -o out.png --look cartoon --areas tone", 2, {"--areas tone", ".svg"});
+  bad("nothere.obj -o out.dxf --areas part", 2, {"--areas part", ".svg"});
+  bad("nothere.obj -o out.svg --look studio --areas part", 2, {"--areas part", "cartoon"});
+  bad("nothere.obj -o out.svg --areas parts", 2, {"--areas", "'parts'", "none, part or tone"});
 }
 
 }  // namespace

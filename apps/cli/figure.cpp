@@ -73,13 +73,13 @@ void add_figure_options(CLI::App& command, FigureOptions& options) {
       ->group(group);
   CLI::Option* fill =
       command
-          .add_option("--fill", options.fill,
+          .add_option("--areas", options.fill,
                       "areas below the lines of a .svg or .pdf: none, a colour per part, or its tones [none]")
           ->type_name("NAME")
           ->group(group);
   add_check(*fill, [](const std::string& text) -> Result<void> {
     if (text == "none" || text == "part" || text == "tone") return {};
-    return field_error("--fill", text, "{} cannot be '{}': it takes none, part or tone");
+    return field_error("--areas", text, "{} cannot be '{}': it takes none, part or tone");
   });
   add_number(command, "--dpi", options.dpi, {1.0, 10000.0}, "pixels per inch on paper, written to the file", "none")
       ->group(group);

@@ -54,7 +54,7 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
     return field_error("--svg", o.svg, "{} cannot be '{}': it takes a file whose name ends in .svg, .pdf or .dxf");
   if (o.figure.fill != "none") lines.fill = o.figure.fill == "part" ? FillBy::kPart : FillBy::kTone;
   if (lines.fill && (!lines.alone || is_dxf(o.output)))
-    return field_error("--fill", o.figure.fill,
+    return field_error("--areas", o.figure.fill,
                        "{} {} needs an --output of lines, such as -o lines.svg with --look cartoon");
   const char* option = lines.alone ? "--output" : "--svg";
   lines.file = lines.alone ? o.output : o.svg;

@@ -166,7 +166,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
     auto alone = make_recipe(of_lines, kMaxStripPixels);
     if (!alone) return alone.error();
     alone->framing.free_space = job.recipe.framing.free_space;
-    if (job.lines.fill) take_lines_over_average(*alone, alone->settings);
+    alone->lines_apart = job.lines.fill.has_value();
     job.recipe = std::move(*alone);
   }
   const bool has_passes = !job.recipe.passes.empty();
@@ -231,7 +231,7 @@ Result<StripSizes> planned_strips(const RenderOptions& o, RenderJob& job, const 
                                   o.request.width, o.request.height, o.memory, advice),
                       "--memory", o.memory);
   };
-  if (job.lines.fill) return too_large("--fill", o.figure.fill, "raise --memory, or lower --resolution");
+  if (job.lines.fill) return too_large("--areas", o.figure.fill, "raise --memory, or lower --resolution");
   if (o.writes_only("all")) return too_large("--passes", " all", "name the passes, or raise --memory");
   if (is_page(o.output) && !job.lines.alone)
     return too_large("--output", fmt::format(" '{}'", o.output),
