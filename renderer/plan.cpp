@@ -288,6 +288,7 @@ Result<Plan> plan_of_view(const Recipe& recipe, const Scene& scene, int threads,
   plan.sky_gain = sky_gain(plan);
   if (const Parameter* noise = noise_of(recipe))
     plan.first_noise = int_value(*noise, params_of(settings, recipe.occlusion));
+  if (plan.averages() || recipe.lines_apart) plan.lines = take_lines_over_average(recipe, settings);
   set_given(scene, plan);
   if (auto status = check_passes(plan); !status) return status.error();
   plan.output = params_of(settings, effect_with<OutputParams>().name);
@@ -299,8 +300,6 @@ Result<Plan> plan_of_view(const Recipe& recipe, const Scene& scene, int threads,
   output.dither = 0;
   if (output.beauty == kBeautyDisplay) output.beauty = kBeautyLight;  // display values are decoded after the average
   if (!recipe.hdri.shown()) output.transparent = 1;
-  // The samples draw no lines.
-  plan.lines = take_lines_over_average(recipe, settings);
   plan.marked = !(plan.has_blended && !plan.lines.empty()) && draws_marked_samples(plan.recipe);
   // Sample 0 alone has soft shadows of its own, so it takes the rays of all samples.
   if (plan.marked)

@@ -38,6 +38,7 @@ struct Recipe {
   int frames = 1;                            ///< number of averaged pictures
   bool is_steady = false;                    ///< occlusion is joined with that of other frames of a sequence
   bool edges_alone = false;                  ///< all but the first are for edges, not to reduce noise
+  bool lines_apart = false;                  ///< a picture is drawn without lines, which are traced all the same
   EffectSettings settings;                   ///< with all settings of the request, but not yet `radius`
   /// The parameters that the request sets, without values. They take precedence over derived values.
   std::vector<Setting> set_by_request;

@@ -66,6 +66,15 @@ void add_figure_options(CLI::App& command, FigureOptions& options) {
       .add_option("--legend", options.legend_file,
                   "write bars and axes to this .png, .svg or .pdf of the picture's size, in place of the picture")
       ->type_name("FILE");
+  CLI::Option* areas =
+      command
+          .add_option("--areas", options.fill,
+                      "areas below the lines of a .svg or .pdf: none, a colour per part, or its tones [none]")
+          ->type_name("NAME");
+  add_check(*areas, [](const std::string& text) -> Result<void> {
+    if (text == "none" || text == "part" || text == "tone") return {};
+    return field_error("--areas", text, "{} cannot be '{}': it takes none, part or tone");
+  });
   add_number(command, "--dpi", options.dpi, {1.0, 10000.0}, "pixels per inch on paper, written to the file", "none");
   command
       .add_option("--print-size", options.print_size,

@@ -16,10 +16,11 @@ struct RenderOptions;
 
 /// The options of figures.
 struct FigureOptions {
-  LegendSettings legend;    ///< without `font_size` and `ink`
-  std::string legend_file;  ///< receives the legends in place of the picture; empty: none
-  std::string print_size;   ///< "80,60": width and height on paper, mm; empty: by the number of pixels
-  double dpi = 0.0;         ///< pixels per inch on paper; 0: not given
+  LegendSettings legend;      ///< without `font_size` and `ink`
+  std::string legend_file;    ///< receives the legends in place of the picture; empty: none
+  std::string fill = "none";  ///< of the areas of a page of lines: "none", "part" or "tone"
+  std::string print_size;     ///< "80,60": width and height on paper, mm; empty: by the number of pixels
+  double dpi = 0.0;           ///< pixels per inch on paper; 0: not given
 
   /// Returns the length of a pixel on paper, mm.
   float mm_per_pixel() const;

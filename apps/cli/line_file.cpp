@@ -12,9 +12,8 @@ namespace {
 
 bool is_dxf(const std::string& file) { return drawing_extension(file) == "dxf"; }
 
-Result<void> write_lines_to(const std::string& file, const LineFile& lines, const Strokes& traced, const Camera& camera,
-                            const Legends& legends) {
-  auto drawing = drawing_of(traced, lines.style);
+Result<void> write_lines_to(const std::string& file, const LineFile& lines, Result<Drawing> drawing,
+                            const Camera& camera, const Legends& legends) {
   if (!drawing) return drawing.error();
   drawing->mm_per_unit = is_dxf(file) && camera.projection == Projection::kOrthographic
                              ? (camera.top - camera.bottom) / drawing->height
@@ -53,6 +52,10 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
                        "`{}` {} needs a file that holds planes, such as .exr, and '{}' holds lines alone", o.output);
   if (!o.svg.empty() && !is_page(o.svg))
     return field_error("--svg", o.svg, "{} cannot be '{}': it takes a file whose name ends in .svg, .pdf or .dxf");
+  if (o.figure.fill != "none") lines.fill = o.figure.fill == "part" ? FillBy::kPart : FillBy::kTone;
+  if (lines.fill && (!lines.alone || is_dxf(o.output)))
+    return field_error("--areas", o.figure.fill,
+                       "{} {} needs an --output of lines, such as -o lines.svg with --look cartoon");
   const char* option = lines.alone ? "--output" : "--svg";
   lines.file = lines.alone ? o.output : o.svg;
   if (!lines) return lines;
@@ -81,11 +84,30 @@ Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, L
   return {};
 }
 
-void disable_unused_effects(const StrokeParameters& lines, Request& request) {
+void disable_unused_effects(const LineFile& lines, Request& request) {
   request.anti_aliasing = 1;
-  if (find_params<HatchingParams>(lines) || !request.occlusion_radius.empty()) return;  // hints on the radius need it
+  if (find_params<HatchingParams>(lines.params) || lines.fill || !request.occlusion_radius.empty()) return;
   request.occlusion = kNoOcclusion;
   request.occlusion_scale.clear();
+}
+
+std::vector<std::string_view> fill_planes(const LineFile& lines) {
+  if (!lines.fill) return {};
+  return {"color.r", "color.g", "color.b", "object_id"};
+}
+
+Result<Drawing> drawing_of_frame(const LineFile& lines, Device& device, const Frame& frame) {
+  const auto traced = traced_strokes(device, frame, lines.params);
+  if (!traced) return traced.error();
+  auto drawing = drawing_of(*traced, lines.style);
+  if (!drawing || !lines.fill) return drawing;
+  const auto names = fill_planes(lines);
+  const auto picture = device.download(frame, {names.begin(), names.end()});
+  if (!picture) return picture.error();
+  auto fills = filled_regions(*picture, *lines.fill);
+  drawing->layers.insert(drawing->layers.begin(), std::make_move_iterator(fills.begin()),
+                         std::make_move_iterator(fills.end()));
+  return drawing;
 }
 
 void warn_of_pictures(const std::string& file, const Drawing& page) {
@@ -108,15 +130,13 @@ void print_line_notes(const LineFile& lines, const Camera& camera) {
 
 Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame,
                          const Legends& legends) {
-  const auto traced = traced_strokes(device, frame, lines.params);
-  if (!traced) return traced.error();
   const bool numbered = !lines.names.after.empty();
-  return write_lines_to(numbered ? lines.names.of(frame_number) : lines.file, lines, *traced, inner_camera(frame.info),
-                        legends);
+  return write_lines_to(numbered ? lines.names.of(frame_number) : lines.file, lines,
+                        drawing_of_frame(lines, device, frame), inner_camera(frame.info), legends);
 }
 
 Result<void> write_lines(const LineFile& lines, const Strokes& traced, const Camera& camera, const Legends& legends) {
-  return write_lines_to(lines.file, lines, traced, camera, legends);
+  return write_lines_to(lines.file, lines, drawing_of(traced, lines.style), camera, legends);
 }
 
 }  // namespace umbrage::cli

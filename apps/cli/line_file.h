@@ -1,6 +1,7 @@
 // The lines of a picture as a .svg or .dxf file: -o lines.svg (lines alone) or --svg lines.svg (in addition to the
 // picture).
 #pragma once
+#include <optional>
 #include <string>
 
 #include "apps/cli/frame_names.h"
@@ -8,6 +9,7 @@
 #include "core/camera.h"
 #include "core/strokes.h"
 #include "io/drawing_of_strokes.h"
+#include "io/filled_regions.h"
 #include "renderer/strokes.h"
 
 namespace umbrage::cli {
@@ -19,7 +21,8 @@ struct LineFile {
   FrameNames names;         ///< file names of a turntable's frames
   StrokeParameters params;  ///< parameters of the effects that draw lines
   LineStyle style;
-  float mm_per_pixel = 0.0f;  ///< physical size
+  std::optional<FillBy> fill;  ///< of the areas below the lines
+  float mm_per_pixel = 0.0f;   ///< physical size
 
   explicit operator bool() const { return !file.empty(); }
 };
@@ -36,8 +39,15 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames);
 Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, LineFile& lines);
 
 /// Turns off anti-aliasing and occlusion, on which lines do not depend, when only lines are written. Occlusion stays on
-/// if its radius is given, since the hint about the radius needs it, and for hatching, which draws it.
-void disable_unused_effects(const StrokeParameters& lines, Request& request);
+/// if its radius is given, since the hint about the radius needs it, for hatching, which draws it, and for fills.
+void disable_unused_effects(const LineFile& lines, Request& request);
+
+/// Returns the planes of a frame that fills need.
+std::vector<std::string_view> fill_planes(const LineFile& lines);
+
+/// Traces the lines of a frame that was drawn without them, and its areas. Errors: those of drawing_of and
+/// Device::download.
+Result<Drawing> drawing_of_frame(const LineFile& lines, Device& device, const Frame& frame);
 
 /// Warns of pictures on a page that a .dxf file leaves out.
 void warn_of_pictures(const std::string& file, const Drawing& page);

@@ -165,10 +165,11 @@ Result<RenderJob> make_job(const RenderOptions& o) {
     if (auto taken = set_line_parameters(o, job.requested, job.lines); !taken) return taken.error();
   if (job.lines.alone) {
     Request of_lines = o.request;
-    disable_unused_effects(job.lines.params, of_lines);
+    disable_unused_effects(job.lines, of_lines);
     auto alone = make_recipe(of_lines, kMaxStripPixels);
     if (!alone) return alone.error();
     alone->framing.free_space = job.recipe.framing.free_space;
+    alone->lines_apart = job.lines.fill.has_value();
     job.recipe = std::move(*alone);
   }
   const bool has_passes = !job.recipe.passes.empty();
@@ -176,6 +177,8 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   std::vector<std::string_view> besides(hints.begin(), hints.end());
   const auto edges = edge_planes(job.lines.params, *layer_count(job.recipe.capture));
   besides.insert(besides.end(), edges.begin(), edges.end());
+  const auto fills = fill_planes(job.lines);
+  besides.insert(besides.end(), fills.begin(), fills.end());
   if (job.lines.alone && !has_passes)
     reduce_to_planes(job.recipe, {besides.begin(), besides.end()});
   else
@@ -231,6 +234,7 @@ Result<StripSizes> planned_strips(const RenderOptions& o, RenderJob& job, const 
                                   o.request.width, o.request.height, o.memory, advice),
                       "--memory", o.memory);
   };
+  if (job.lines.fill) return too_large("--areas", o.figure.fill, "raise --memory, or lower --resolution");
   if (o.writes_only("all")) return too_large("--passes", " all", "name the passes, or raise --memory");
   if (is_page(o.output) && !job.lines.alone)
     return too_large("--output", fmt::format(" '{}'", o.output),

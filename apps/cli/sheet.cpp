@@ -119,9 +119,7 @@ Result<void> add_view(const RenderOptions& o, const RenderJob& job, Device& devi
   if (!drawn) return drawn.error();
   stops = drawn->stops;
   if (job.lines.alone) {
-    const auto traced = traced_strokes(device, drawn->frame, job.lines.params);
-    if (!traced) return traced.error();
-    auto drawing = drawing_of(*traced, job.lines.style);
+    auto drawing = drawing_of_frame(job.lines, device, drawn->frame);
     if (!drawing) return drawing.error();
     std::move(drawing->layers.begin(), drawing->layers.end(), std::back_inserter(sheet.layers));
     return {};
