@@ -31,8 +31,8 @@ FN Real break_code(Real found, int i, int j) {
   Real before = break_beside(-1, i, j);
   Real after = break_beside(1, i, j);
   Real none = Real(0.0f);
-  Bool is_smaller = (before * found > 0.0f && abs(before) >= abs(found) && abs(before) <= kOutlineMaxStrength) ||
-                    (after * found > 0.0f && abs(after) > abs(found) && abs(after) <= kOutlineMaxStrength);
+  Bool is_smaller =
+      (before * found > 0.0f && abs(before) >= abs(found)) || (after * found > 0.0f && abs(after) > abs(found));
   Real depth = select(is_smaller, none, edge_code(kOutlineDepth, abs(found), Real(0.5f), none));
   return select(abs(found) > kOutlineMaxStrength, edge_code(kOutlineId, abs(found), Real(0.5f), none), depth);
 }
