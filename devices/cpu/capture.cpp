@@ -35,6 +35,8 @@ constexpr float kLayerStep = 1e-5f;
 // Max error of a ray's end, relative to its length: a ray that starts at a light must end farther than this above the
 // surface.
 constexpr float kEndRounding = 1e-6f;
+// Squared radius of a penumbra, pixels squared, up to which the second filter is as narrow as the first one.
+const float kNarrowPenumbra = kSoftenMin * kSoftenMin / (kSoftenFraction * kSoftenFraction);
 
 /// Data shared by all blocks of a view.
 struct Drawing {
@@ -79,17 +81,43 @@ void store_penumbrae(const Drawing& drawing, const Block& block, int x0, int y0)
 /// The surfaces that the rays of a block hit.
 struct Surfaces {
   std::array<Surface, kPacket> at;
+  std::array<glm::vec3, kPacket> to_light_from;  ///< origins of the rays to lights
   std::array<bool, kPacket> is_hit{};
   int x0 = 0, y0 = 0;  ///< first pixel of the block
   /// Record penumbra sizes: only for the first layer, whose shadows are softened.
   bool softened = false;
 };
 
+/// Stores the origins of the rays to lights.
+void find_ray_origins(const Drawing& drawing, Surfaces& surfaces) {
+  if (drawing.lights.empty()) return;
+  for (int k = 0; k < kPacket; ++k)
+    if (surfaces.is_hit[k])
+      surfaces.to_light_from[k] = ray_origin_to_light(drawing.traced, surfaces.at[k], drawing.rays.eye);
+}
+
+/// The nearest occluder of each pixel on its rays to a light: the ratio of its distances to the pixel and, if the light
+/// is a point, to the light; otherwise to the distance 1 on a ray's direction.
+using Nearest = std::array<float, kPacket>;
+
+/// Limits the penumbra of a block to the sizes that the occluders cause.
+void narrow_block(const Drawing& drawing, const Surfaces& surfaces, const ShadowLight& light, const Nearest& nearest,
+                  Block& block) {
+  for (int k = 0; k < kPacket; ++k) {
+    if (nearest[k] == std::numeric_limits<float>::infinity()) continue;
+    const Surface& surface = surfaces.at[k];
+    const float x = float(surfaces.x0 + k % kBlock) + 0.5f, y = float(surfaces.y0 + k / kBlock) + 0.5f;
+    narrow(block.penumbra[light.index], drawing.rays, surface, block.depth[k], drawing.rays.direction_at(x, y),
+           light.point ? light.where - surface.position : light.where, light.size * nearest[k]);
+  }
+}
+
 /// Traces one ray per pixel: to the point `disc_places` of a light's disc if `soft`, otherwise to the centre. Adds 1 to
-/// `lit` where the ray is unblocked. Where it is blocked and the shadow is softened, limits the penumbra in `block` to
-/// the size that the occluder causes.
+/// `lit` where the ray is unblocked. Where it is blocked, and the occluder may limit a penumbra that is softened, keeps
+/// the nearest one.
 void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const ShadowLight& light, bool soft,
-                    const std::array<glm::vec2, kPacket>& disc_places, std::array<float, kPacket>& lit, Block& block) {
+                    const std::array<glm::vec2, kPacket>& disc_places, std::array<float, kPacket>& lit,
+                    Nearest& nearest, Block& block) {
   RayPacket to_light;
   PenumbraSize& penumbra = block.penumbra[light.index];
   for (int k = 0; k < kPacket; ++k) {
@@ -109,7 +137,7 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
       penumbra = {0.0f, 0.0f};  // radius 0: the surface itself blocks the light
       continue;
     }
-    const glm::vec3 start = ray_origin_to_light(drawing.traced, surface, drawing.rays.eye);
+    const glm::vec3 start = surfaces.to_light_from[k];
     if (!light.point) {
       to_light.set(k, start, toward, 0.0f, std::numeric_limits<float>::infinity());
     } else if (!soft && glm::distance(start, surface.position) > kEndRounding * glm::length(toward)) {
@@ -120,7 +148,7 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
       to_light.set(k, start, where - start, 0.0f, 1.0f);
     }
   }
-  if (!soft || !surfaces.softened) {
+  if (!soft || !surfaces.softened || std::max(penumbra.across, penumbra.down) <= kNarrowPenumbra) {
     to_light.find_blocked(drawing.traced, Coherence::kCoherent, kMinShadowOpacity);
     for (int k = 0; k < kPacket; ++k)
       if (to_light.arrives(k)) lit[k] += 1.0f;
@@ -133,12 +161,8 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
       lit[k] += 1.0f;
       continue;
     }
-    const Surface& surface = surfaces.at[k];
     const float t = to_light.hit_distance(k);
-    const float x = float(surfaces.x0 + k % kBlock) + 0.5f, y = float(surfaces.y0 + k / kBlock) + 0.5f;
-    narrow(penumbra, drawing.rays, surface, block.depth[k], drawing.rays.direction_at(x, y),
-           light.point ? light.where - surface.position : light.where,
-           light.size * (light.point ? t / std::max(1.0f - t, 1e-6f) : t));
+    nearest[k] = std::min(nearest[k], light.point ? t / std::max(1.0f - t, 1e-6f) : t);
   }
 }
 
@@ -156,10 +180,14 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
     };
     const bool keeps_first = light.rays == 2;
     std::array<float, kPacket> lit{};
+    Nearest nearest;
+    nearest.fill(std::numeric_limits<float>::infinity());
     float scale = 1.0f;
     bool partly_lit = light.rays > 0;
     if (light.rays != 1) {
-      trace_to_light(drawing, surfaces, light, light.rays > 0, keeps_first ? points_of(0) : border_points, lit, out);
+      trace_to_light(drawing, surfaces, light, light.rays > 0, keeps_first ? points_of(0) : border_points, lit, nearest,
+                     out);
+      narrow_block(drawing, surfaces, light, nearest, out);
       int lit_pixels = 0, pixels = 0;
       for (int k = 0; k < kPacket; ++k) {
         pixels += surfaces.is_hit[k];
@@ -170,7 +198,8 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
     if (partly_lit) {
       if (!keeps_first) lit = {};
       for (int ray = keeps_first ? 1 : 0; ray < light.rays; ++ray)
-        trace_to_light(drawing, surfaces, light, true, points_of(ray), lit, out);
+        trace_to_light(drawing, surfaces, light, true, points_of(ray), lit, nearest, out);
+      narrow_block(drawing, surfaces, light, nearest, out);
       scale = 1.0f / float(light.rays);
     }
     for (int k = 0; k < kPacket; ++k)
@@ -218,6 +247,7 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RayPacket& primar
     out.object[k] = float(surface.mesh->object);
     out.material[k] = float(surface.mesh->material);
   }
+  find_ray_origins(drawing, surfaces);
   trace_shadows(drawing, surfaces, out);
 }
 
@@ -237,6 +267,7 @@ void flip_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
     surfaces.at[k].geometric = -surfaces.at[k].geometric;
     surfaces.at[k].normal = -surfaces.at[k].normal;
   }
+  find_ray_origins(drawing, surfaces);
   trace_shadows(drawing, surfaces, block);
 }
 

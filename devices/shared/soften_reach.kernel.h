@@ -4,9 +4,6 @@
 IN_REAL(penumbra)
 OUT_REAL(soften_reach)
 
-// At the ends of a penumbra the filter changes the shadow by 0.12 * kRadiusFraction^1.5.
-CONST float kRadiusFraction = 0.2f;
-
 FN void soften_reach_pixel(Int px, Int py) {
   Real reach = Real(kSoftenMax);
   for (int j = -kSoftenReachBlocks; j <= kSoftenReachBlocks; ++j)
@@ -16,7 +13,7 @@ FN void soften_reach_pixel(Int px, Int py) {
       int distance_px = kSoftenBlock * (right < down ? down : right);
       // The taps, every fourth pixel, must not lie where the first filter has spread an edge beyond its block.
       float limit = float(distance_px - kSoftenBlock) - kSoftenMin;
-      reach = min(reach, max(near_penumbra(i, j) * kRadiusFraction, Real(limit)));
+      reach = min(reach, max(near_penumbra(i, j) * kSoftenFraction, Real(limit)));
     }
   store_soften_reach(max(reach, Real(kSoftenMin)));
 }
