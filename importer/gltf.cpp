@@ -86,7 +86,7 @@ void add_mesh(Build& build, int node_index, int mesh_index, int& object) {
       if (!primitive) continue;
       const auto material = std::size_t(primitive->mesh.material);
       if (build.skips_not_drawn && build.materials.not_drawn[material]) {
-        build.names_not_drawn.insert(build.scene.materials[material].name);
+        build.names_not_drawn.insert(text_of(member(file.list("materials", material), "name")));
         continue;
       }
       if (primitive->has_alpha && build.materials.uses_alpha[material])
@@ -247,12 +247,11 @@ std::vector<glm::dvec3> motion_of(Build& build) {
   return farthest.points();
 }
 
-void read_materials(Build& build) {
-  Scene& scene = build.scene;
-  build.materials = read_gltf_materials(build.file, scene);
+void list_materials(Build& build) {
+  build.materials = list_gltf_materials(build.file);
   build.rules.placements = build.materials.placements;
   build.rules.has_borders = build.materials.has_borders;
-  build.rules.default_material = int(scene.materials.size()) - 1;
+  build.rules.default_material = int(build.materials.placements.size()) - 1;
   build.rules.flat = !build.settings.crease_angle_deg;
   build.rules.field = build.settings.field;
 }
@@ -280,7 +279,7 @@ Result<Scene> build_scene(GltfFile& file, const ImportSettings& settings) {
   const std::string name = file.path.string();
   if (auto status = choose_scene(build); !status) return status.error();
   warn_of_extensions(file);
-  read_materials(build);
+  list_materials(build);
   add_meshes(build);
   if (build.meshes.empty() && !build.names_not_drawn.empty()) {
     // If nothing has a material that is drawn, everything is.
@@ -295,6 +294,8 @@ Result<Scene> build_scene(GltfFile& file, const ImportSettings& settings) {
                       build.counts.out_of_range);
   const std::vector<glm::dvec3> motion = motion_of(build);
   move_to_scene(std::move(build.meshes), build.scene, motion);
+  read_gltf_materials(file, build.materials, smallest_footprints(build.scene, build.materials.images.size(), settings),
+                      build.scene);
   add_cameras(build);
   add_lights(build);
   const bool uses_default = std::any_of(build.scene.meshes.begin(), build.scene.meshes.end(), [&](const Mesh& mesh) {

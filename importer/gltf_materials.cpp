@@ -255,14 +255,17 @@ void read_material(MaterialReader& r) {
 
 }  // namespace
 
-GltfMaterials read_gltf_materials(GltfFile& file, Scene& scene) {
+GltfMaterials list_gltf_materials(GltfFile& file) {
   GltfMaterials result;
-  GltfTextures textures(file, scene);
   const Json& list = member(file.json, "materials");
   for (std::size_t k = 0; k <= count_of(list); ++k) {
+    Scene without_images;
+    GltfTextures textures(file, without_images);
+    ImageUses images;
+    textures.cache.asked = &images;
     MaterialReader reader{file, textures, element(list, k), {"materials", k}};
-    textures.has_borders = false;
     read_material(reader);
+    result.images.push_back(std::move(images));
     result.has_borders.push_back(textures.has_borders);
     const Material& material = reader.material;
     result.placements.push_back(reader.placement);
@@ -271,9 +274,29 @@ GltfMaterials read_gltf_materials(GltfFile& file, Scene& scene) {
                                                                          reader.place, file.faults));
     result.not_drawn.push_back(masked || (material.blended && material.opacity <= 0.0f));
     result.uses_alpha.push_back(mode == "MASK" || mode == "BLEND");
-    scene.materials.push_back(std::move(reader.material));
   }
   return result;
+}
+
+void read_gltf_materials(GltfFile& file, const GltfMaterials& listed, const std::vector<float>& footprints,
+                         Scene& scene) {
+  GltfTextures textures(file, scene);
+  ImageUses all;
+  for (std::size_t k = 0; k < listed.images.size(); ++k)
+    for (const auto& [name, use] : listed.images[k]) {
+      // What is cut out by alpha would lose parts that are narrower than a texel.
+      const float footprint = listed.uses_alpha[k] ? 0.0f : footprints[k];
+      auto& merged = all.insert({name, {footprint, use.linear}}).first->second;
+      merged = {std::min(merged.footprint, footprint), merged.linear && use.linear};
+    }
+  textures.cache.decode(all);
+  const JsonFaults faults = file.faults;  // those of materials have been counted
+  for (std::size_t k = 0; k < listed.images.size(); ++k) {
+    MaterialReader reader{file, textures, element(member(file.json, "materials"), k), {"materials", k}};
+    read_material(reader);
+    scene.materials.push_back(std::move(reader.material));
+  }
+  file.faults = faults;
 }
 
 void drop_unused_textures(Scene& scene) {

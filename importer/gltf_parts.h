@@ -11,6 +11,8 @@
 #include "importer/common/placed_mesh.h"
 #include "importer/gltf_accessor.h"
 #include "importer/gltf_file.h"
+#include "importer/texture_cache.h"
+#include "scene/readers/import.h"
 #include "scene/scene.h"
 
 namespace umbrage {
@@ -62,11 +64,20 @@ struct GltfMaterials {
   std::vector<bool> has_borders;          ///< whether a texture is clamped or mirrored
   std::vector<bool> not_drawn;            ///< whether surfaces of a material are wholly transparent
   std::vector<bool> uses_alpha;           ///< blended, or cut out
+  std::vector<ImageUses> images;          ///< that each material needs
 };
 
-/// Appends one Material per material of the file, in order, and one more, the standard's default; and the textures that
-/// they need, each once. Each texture that cannot be read adds a sentence to scene.warnings.
-GltfMaterials read_gltf_materials(GltfFile& file, Scene& scene);
+/// Lists the materials of the file, in order, and one more, the standard's default. Reads no images.
+GltfMaterials list_gltf_materials(GltfFile& file);
+
+/// Appends one Material per listed one, and the textures that they need, each once. `footprints`: see
+/// smallest_footprints. Each texture that cannot be read adds a sentence to scene.warnings.
+void read_gltf_materials(GltfFile& file, const GltfMaterials& listed, const std::vector<float>& footprints,
+                         Scene& scene);
+
+/// Returns for each of the materials the width of the smallest area of a texture that a pixel averages, in texture
+/// coordinates, if the picture is that of ImportSettings::fitted_px; 0: not known. Sets the bounds of the scene, about.
+std::vector<float> smallest_footprints(Scene& scene, std::size_t materials, const ImportSettings& settings);
 
 /// Removes textures that no material refers to.
 void drop_unused_textures(Scene& scene);

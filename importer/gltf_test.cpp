@@ -1,7 +1,12 @@
-// glTF: geometry of all kinds of accessors, primitives, nodes, skins and animations, and bad files.
+// glTF: images; geometry of all kinds of accessors, primitives, nodes, skins and animations, and bad files.
+#include <tbb/task_arena.h>
+
+#include "core/color.h"
+#include "importer/decode_image.h"
 #include "importer/gltf_accessor.h"
 #include "importer/gltf_test_support.h"
 #include "importer/readers.h"
+#include "io/format.h"
 #include "scene/finish.h"
 
 #include <glm/common.hpp>
@@ -340,6 +345,142 @@ TEST_F(GltfTest, DrawsFilesWithoutScenes) {
   EXPECT_EQ(read(b).triangle_count(), 1u);
   b.json.erase("nodes");
   EXPECT_EQ(read(b).triangle_count(), 1u);
+}
+
+// ---- images
+
+/// Returns a smooth picture with a steep edge.
+Image pattern(int width, int height) {
+  Image image = picture(width, height, 3);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float phase = float(c) + 0.21f * float(x) + 0.13f * float(y);
+        image.planes[c].at(x, y) = 0.5f + 0.2f * std::sin(phase) + (x > width / 3 ? 0.25f : -0.25f);
+      }
+  return image;
+}
+
+std::string jpeg(int width, int height) { return *encode_fast_jpeg("a.jpg", pattern(width, height), 95); }
+std::string png(int width, int height) { return *encode_png("a.png", pattern(width, height)); }
+
+Result<Texture> decoded(const std::string& bytes, const ImageUse& use = {}) {
+  return decode_texture_image({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "an image", use);
+}
+
+/// Returns the largest and the mean difference of a reduced texture from the means of blocks of the whole one.
+std::array<double, 2> differences(const Texture& whole, const Texture& reduced, bool linear) {
+  const int side = whole.width / reduced.width;
+  double max = 0.0, sum = 0.0;
+  for (int y = 0; y < reduced.height; ++y)
+    for (int x = 0; x < reduced.width; ++x)
+      for (int c = 0; c < 4; ++c) {
+        const bool is_srgb = !linear && c < 3;
+        float mean = 0.0f;
+        for (int k = 0; k < side * side; ++k) {
+          const int from = 4 * ((y * side + k / side) * whole.width + x * side + k % side) + c;
+          const float value = float(whole.rgba[std::size_t(from)]) / 255.0f;
+          mean += (is_srgb ? linear_from_srgb(value) : value) / float(side * side);
+        }
+        const double expected = 255.0 * double(is_srgb ? srgb_from_linear(mean) : mean);
+        const double off = std::abs(expected - double(reduced.rgba[std::size_t(4 * (y * reduced.width + x) + c)]));
+        max = std::max(max, off), sum += off;
+      }
+  return {max, sum / double(reduced.rgba.size())};
+}
+
+TEST(TextureImage, ReducesToMeansOfBlocks) {
+  const int width = 96, height = 64;
+  const Texture whole_jpeg = *decoded(jpeg(width, height)), whole_png = *decoded(png(width, height));
+  ASSERT_EQ(whole_jpeg.rgba.size(), 4u * std::size_t(width * height));
+  ASSERT_EQ(whole_png.rgba.size(), 4u * std::size_t(width * height));
+  for (const int side : {2, 4, 8})
+    for (const bool linear : {false, true}) {
+      SCOPED_TRACE(std::to_string(side) + (linear ? " linear" : " colour"));
+      const ImageUse use{.footprint = float(side) / float(height), .linear = linear};
+      const Texture of_jpeg = *decoded(jpeg(width, height), use), of_png = *decoded(png(width, height), use);
+      ASSERT_EQ(of_jpeg.width, width / side);
+      ASSERT_EQ(of_jpeg.height, height / side);
+      ASSERT_EQ(of_png.rgba.size(), of_jpeg.rgba.size());
+      EXPECT_LE(differences(whole_png, of_png, linear)[0], 1.0);
+      // Linear values of JPEG are averaged as coefficients, before they are rounded and clamped.
+      const auto [max, mean] = differences(whole_jpeg, of_jpeg, linear);
+      EXPECT_LE(max, linear ? 8.0 : 1.0);
+      EXPECT_LE(mean, 1.0);
+    }
+}
+
+TEST(TextureImage, ReducesOnlyByDivisorsThatAreNotWiderThanTheFootprint) {
+  EXPECT_EQ(block_side(64, 64, 0.0f), 1);
+  EXPECT_EQ(block_side(64, 64, 3.99f / 64.0f), 2);
+  EXPECT_EQ(block_side(64, 32, 4.0f / 64.0f), 2) << "the shorter side has fewer texels in a footprint";
+  EXPECT_EQ(block_side(64, 64, 1.0f), 8);
+  EXPECT_EQ(block_side(62, 64, 1.0f), 2);
+  EXPECT_EQ(block_side(63, 64, 1.0f), 1);
+}
+
+/// A triangle with maps of colour, normals and reflection in files named by `uris`.
+GltfBuilder with_maps(const std::vector<std::string>& uris) {
+  GltfBuilder b = GltfBuilder::triangle();
+  Json& material = b.json["materials"][0];
+  material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+  material["normalTexture"] = {{"index", 1}};
+  material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = {{"index", 2}};
+  for (std::size_t k = 0; k < uris.size(); ++k) {
+    b.json["textures"].push_back({{"source", k}});
+    b.json["images"].push_back({{"uri", uris[k]}});
+  }
+  return b;
+}
+
+TEST_F(GltfTest, DecodesTheSameTexturesWithAnyNumberOfThreads) {
+  const GltfBuilder b = with_maps({"a.jpg", "b.jpg", "c.png"});
+  write("a.jpg", jpeg(64, 64)), write("b.jpg", jpeg(32, 32)), write("c.png", png(48, 16));
+  const auto read_with = [&](int threads) {
+    tbb::task_arena arena(threads);
+    return arena.execute([&] { return read(b); });
+  };
+  const Scene one = read_with(1), four = read_with(4);
+  EXPECT_TRUE(one.warnings.empty()) << warnings_of(one);
+  ASSERT_EQ(one.textures.size(), 3u);
+  ASSERT_EQ(four.textures.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(one.textures[k].name, four.textures[k].name);
+    EXPECT_EQ(one.textures[k].rgba, four.textures[k].rgba);
+  }
+}
+
+TEST_F(GltfTest, WarnsOnceOfABrokenImageAmongOthers) {
+  const GltfBuilder b = with_maps({"a.jpg", "b.jpg", "c.png"});
+  write("a.jpg", jpeg(64, 64)), write("b.jpg", jpeg(64, 64).substr(0, 40)), write("c.png", png(16, 16));
+  const Scene scene = read(b);
+  ASSERT_EQ(scene.warnings.size(), 1u) << warnings_of(scene);
+  const std::string file = (folder / "b.jpg").string();
+  EXPECT_TRUE(warns(scene, "'" + file + "' is not an image of a known format")) << warnings_of(scene);
+  EXPECT_TRUE(warns(scene, "; it is left out"));
+  EXPECT_EQ(scene.textures.size(), 2u);
+  EXPECT_EQ(scene.materials.at(0).normal_texture, kNoTexture);
+}
+
+TEST_F(GltfTest, ReducesTexturesToWhatAFittedPictureShows) {
+  write("a.png", png(256, 256)), write("b.jpg", jpeg(256, 256)), write("c.png", png(64, 64));
+  GltfBuilder b = with_maps({"a.png", "b.jpg", "c.png"});
+  const auto widths = [&](int fitted_px) {
+    std::vector<int> all;
+    for (const Texture& texture : read(b, {.fitted_px = fitted_px}).textures) all.push_back(texture.width);
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  const std::vector<int> whole = {64, 256, 256};
+  EXPECT_EQ(widths(0), whole);
+  EXPECT_EQ(widths(512), whole);
+  // The triangle, whose sides span the texture, is about 50 pixels wide: 5 and 1.3 texels per pixel.
+  EXPECT_EQ(widths(64), (std::vector<int>{64, 128, 128}));
+  // About 6 pixels wide: 64 texels are 7 per pixel with the margin, so blocks are of 4; 256 are 28, and blocks end
+  // at 8.
+  EXPECT_EQ(widths(8), (std::vector<int>{16, 32, 32}));
+  b.json["materials"][0]["alphaMode"] = "MASK";
+  EXPECT_EQ(widths(8), whole) << "thin parts of a mask would vanish";
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ glm::vec3 linear_of(const std::uint8_t* texel) {
 
 GltfTextures::GltfTextures(GltfFile& file, Scene& scene)
     : cache{nullptr, file.path.parent_path(), scene}, file_(file), scene_(scene) {
-  cache.read_embedded = [this](const std::string& name) -> std::optional<Result<Texture>> {
+  cache.read_embedded = [this](const std::string& name) -> std::optional<Result<EncodedImage>> {
     if (!name.starts_with('\n')) return std::nullopt;
     return embedded(name);
   };
@@ -131,7 +131,7 @@ std::string GltfTextures::name_of(const Json& use, const JsonPlace& place) {
   return name;
 }
 
-Result<Texture> GltfTextures::embedded(const std::string& name) {
+Result<EncodedImage> GltfTextures::embedded(const std::string& name) {
   if (const auto reason = refused_.find(name); reason != refused_.end()) return file_error("{}", reason->second);
   const std::size_t skip = std::string_view(kImage).size();
   int image = 0;
@@ -140,11 +140,11 @@ Result<Texture> GltfTextures::embedded(const std::string& name) {
   const std::string title = "the embedded texture " + title_of(file_, image);
   if (auto data = data_of_uri(text_of(member(json, "uri")))) {
     if (!*data) return file_error("{} cannot be read: {}", title, data->error().message);
-    return decode_texture_image(**data, title);
+    return EncodedImage{.title = title, .owned = {(*data)->begin(), (*data)->end()}};
   }
   const auto bytes = file_.buffer_view(index_of(member(json, "bufferView")));
   if (!bytes) return file_error("{} cannot be read: {}", title, bytes.error().message);
-  return decode_texture_image(*bytes, title);
+  return EncodedImage{.title = title, .part = *bytes};
 }
 
 int GltfTextures::add(Texture texture, const std::string& key) {

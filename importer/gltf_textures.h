@@ -36,7 +36,7 @@ class GltfTextures {
                              const glm::vec3& specular_factor, float glossiness);
 
  private:
-  Result<Texture> embedded(const std::string& name);
+  Result<EncodedImage> embedded(const std::string& name);
   int add(Texture texture, const std::string& key);
 
   GltfFile& file_;

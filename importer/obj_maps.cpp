@@ -89,11 +89,31 @@ void set_emission(const MapNames& maps, TextureCache& textures, Material& materi
   material.emission = glm::vec3(material.emission_texture == kNoTexture ? 0.0f : 1.0f);
 }
 
+void set_maps(const MtlMaterial& source, const MapNames& maps, TextureCache& textures, Material& material) {
+  set_emission(maps, textures, material);
+  set_surface(source, maps, textures, material);
+  set_color(maps, textures, material);
+}
+
+/// Returns the images that the materials need.
+ImageUses images_of(const ObjScene& obj) {
+  Scene without_images;
+  ImageUses images;
+  TextureCache textures{.source = nullptr, .folder = {}, .scene = without_images, .asked = &images};
+  for (std::size_t m = 0; m < obj.scene.materials.size(); ++m) {
+    if (!obj.sources[m]) continue;
+    Material material;
+    set_maps(*obj.sources[m], MapNames(*obj.sources[m], textures, material), textures, material);
+  }
+  return images;
+}
+
 }  // namespace
 
 void import_obj_maps(const ObjFile& file, ObjScene& obj) {
   Scene& scene = obj.scene;
   TextureCache textures{nullptr, file.path.parent_path(), scene};
+  textures.decode(images_of(obj));
   std::vector<const MtlMap*> places;
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     places.push_back(nullptr);
@@ -101,9 +121,7 @@ void import_obj_maps(const ObjFile& file, ObjScene& obj) {
     Material& material = scene.materials[m];
     const MapNames maps(*obj.sources[m], textures, material);
     places[m] = maps.first;
-    set_emission(maps, textures, material);
-    set_surface(*obj.sources[m], maps, textures, material);
-    set_color(maps, textures, material);
+    set_maps(*obj.sources[m], maps, textures, material);
   }
   bool is_clamped = false;
   std::set<std::string> unplaced;  // materials with textures on faces without texture coordinates

@@ -1,17 +1,17 @@
 #include "importer/texture_cache.h"
 
 #include <assimp/scene.h>
-#include <webp/decode.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cstring>
 #include <glm/geometric.hpp>
 
 #include "importer/importer.h"
 #include "importer/material_rules.h"
 #include "scene/readers/find_file.h"
-#include "scene/readers/texture_file.h"
 #include "scene/readers/whole_file.h"
 
 namespace umbrage {
@@ -58,6 +58,17 @@ std::optional<fs::path> find_referenced_file(const fs::path& folder, const std::
   return find_file(folder, without_escapes(name));
 }
 
+Result<EncodedImage> TextureCache::encoded(const std::string& name) const {
+  if (read_embedded)
+    if (auto image = read_embedded(name)) return std::move(*image);
+  const std::optional<fs::path> path = find_referenced_file(folder, name);
+  if (!path) return file_error("the texture '{}' does not exist", name);
+  raise_limits_for(*path);
+  auto bytes = read_whole_file(*path);
+  if (!bytes) return bytes.error();
+  return EncodedImage{.title = path->string(), .owned = std::move(*bytes)};
+}
+
 Result<Texture> TextureCache::embedded(const aiTexture& texture, const std::string& name) const {
   if (!texture.pcData) return file_error("the embedded texture '{}' has no pixels", name);
   if (texture.mHeight == 0) {
@@ -76,24 +87,54 @@ Result<Texture> TextureCache::embedded(const aiTexture& texture, const std::stri
   return result;
 }
 
-Result<Texture> TextureCache::read(const std::string& name) const {
+void TextureCache::decode(const ImageUses& images) {
+  constexpr int kMaxThreads = 8;  // their stacks count towards the limit of address space
+  struct Job {
+    Result<EncodedImage> image;
+    const ImageUse& use;
+    Result<Texture>& texture;
+  };
+  uses = images;
+  std::vector<Job> jobs;
+  for (const auto& [name, use] : uses)
+    jobs.push_back({encoded(name), use, decoded.insert_or_assign(name, Texture()).first->second});
+  tbb::task_arena arena(std::min(tbb::this_task_arena::max_concurrency(), kMaxThreads));
+  arena.execute([&] {
+    tbb::parallel_for(
+        std::size_t(0), jobs.size(),
+        [&](std::size_t k) {
+          Job& job = jobs[k];
+          job.texture = job.image ? decode_texture_image(job.image->bytes(), job.image->title, job.use)
+                                  : Result<Texture>(job.image.error());
+          job.image = EncodedImage();
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+Result<Texture> TextureCache::read(const std::string& name) {
   if (const auto edit = edits.find(name); edit != edits.end()) {
     Result<Texture> texture = read(edit->second.file);
     if (texture) edit_image(edit->second, *texture);
     return texture;
   }
-  if (read_embedded)
-    if (auto texture = read_embedded(name)) return std::move(*texture);
+  if (auto known = decoded.extract(name)) return std::move(known.mapped());
   if (const aiTexture* texture = source ? source->GetEmbeddedTexture(name.c_str()) : nullptr) {
     return embedded(*texture, name);
   }
-  const std::optional<fs::path> path = find_referenced_file(folder, name);
-  if (!path) return file_error("the texture '{}' does not exist", name);
-  raise_limits_for(*path);
-  return read_texture_image(*path);
+  const auto image = encoded(name);
+  if (!image) return image.error();
+  const auto use = uses.find(name);
+  return decode_texture_image(image->bytes(), image->title, use == uses.end() ? ImageUse() : use->second);
 }
 
-std::optional<Texture> TextureCache::read_or_warn(const std::string& name, const char* consequence) {
+std::optional<Texture> TextureCache::read_or_warn(const std::string& name, const char* consequence, bool linear) {
+  if (asked) {
+    const auto edit = edits.find(name);
+    const auto [use, is_new] = asked->insert({edit == edits.end() ? name : edit->second.file, {.linear = linear}});
+    use->second.linear = use->second.linear && linear;
+    return Texture{.name = {}, .width = 1, .height = 1, .rgba = {255, 255, 255, 255}};
+  }
   Result<Texture> texture = read(name);
   if (texture) texture->nearest = nearest.contains(name);
   if (texture) return std::move(*texture);
@@ -141,11 +182,14 @@ int TextureCache::find_packed(const std::array<MapChannel, 3>& channels) {
   std::string key = "\npacked";
   for (const MapChannel& each : channels) key += fmt::format("\n{} {}", each.channel, each.name);
   if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
+  const auto is_in_place = [&](const MapChannel& each) {
+    return each.name.empty() || each.channel == int(&each - channels.data());
+  };
   std::map<std::string, std::optional<Texture>> images;
   Texture result{.name = {}, .rgba = {}, .linear = true};
   for (const MapChannel& each : channels) {
     if (each.name.empty() || images.contains(each.name)) continue;
-    const auto& image = images[each.name] = read_or_warn(each.name, "it is left out");
+    const auto& image = images[each.name] = read_or_warn(each.name, "it is left out", true);
     if (!image) continue;
     result.nearest = result.nearest || image->nearest;
     result.name += (result.name.empty() ? "" : " and ") + image->name;
@@ -153,6 +197,15 @@ int TextureCache::find_packed(const std::array<MapChannel, 3>& channels) {
     result.height = std::max(result.height, image->height);
   }
   if (result.width == 0) return index_of[key] = kNoTexture;
+  if (images.size() == 1 && std::all_of(channels.begin(), channels.end(), is_in_place)) {
+    // All channels stay where they are in one image.
+    result.rgba = std::move(images.begin()->second->rgba);
+    std::array<std::uint8_t, 4> white{0, 0, 0, 255};
+    for (std::size_t c = 0; c < channels.size(); ++c) white[c] = channels[c].name.empty() ? 255 : 0;
+    for (std::size_t i = 0; i < result.rgba.size(); i += 4)
+      for (std::size_t c = 0; c < 4; ++c) result.rgba[i + c] |= white[c];
+    return add(std::move(result), key);
+  }
   result.rgba.assign(std::size_t(result.width) * std::size_t(result.height) * 4, std::uint8_t(255));
   for (std::size_t c = 0; c < channels.size(); ++c) {
     const auto image = images.find(channels[c].name);
@@ -174,7 +227,7 @@ int TextureCache::find_linear(const std::string& name) { return find_packed({{{n
 int TextureCache::find_normals_of_heights(const std::string& name, float scale) {
   const std::string key = fmt::format("\nheights {} {}", scale, name);
   if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
-  const std::optional<Texture> heights = read_or_warn(name, "it is left out");
+  const std::optional<Texture> heights = read_or_warn(name, "it is left out", true);
   if (!heights) return index_of[key] = kNoTexture;
   Texture result = *heights;
   result.linear = true;
@@ -193,42 +246,6 @@ int TextureCache::find_normals_of_heights(const std::string& name, float scale) 
       to[3] = 255;
     }
   return add(std::move(result), key);
-}
-
-// ---- decoding: WebP through libwebp, other formats through stb_image
-
-namespace {
-
-bool starts_with(std::span<const std::uint8_t> bytes, std::size_t at, const char* text, std::size_t length) {
-  return bytes.size() >= at + length && std::memcmp(bytes.data() + at, text, length) == 0;
-}
-
-Result<Texture> decode_webp(std::span<const std::uint8_t> bytes, const std::string& name) {
-  Texture texture;
-  texture.name = name;
-  // A WebP image has at most 16383 x 16383 pixels.
-  if (!WebPGetInfo(bytes.data(), bytes.size(), &texture.width, &texture.height) || texture.width <= 0 ||
-      texture.height <= 0)
-    return file_error("'{}' is a damaged WebP image", name);
-  texture.rgba.resize(std::size_t(texture.width) * std::size_t(texture.height) * 4);
-  if (!WebPDecodeRGBAInto(bytes.data(), bytes.size(), texture.rgba.data(), texture.rgba.size(), 4 * texture.width))
-    return file_error("'{}' is a damaged WebP image", name);
-  return texture;
-}
-
-}  // namespace
-
-Result<Texture> decode_texture_image(std::span<const std::uint8_t> bytes, const std::string& name) {
-  if (starts_with(bytes, 0, "RIFF", 4) && starts_with(bytes, 8, "WEBP", 4)) return decode_webp(bytes, name);
-  if (starts_with(bytes, 0, "\xABKTX 20\xBB\r\n\x1A\n", 12))
-    return file_error("'{}' is a KTX2 image (KHR_texture_basisu), which is not read", name);
-  return decode_texture(bytes, name);
-}
-
-Result<Texture> read_texture_image(const std::filesystem::path& file) {
-  const auto bytes = read_whole_file(file);
-  if (!bytes) return bytes.error();
-  return decode_texture_image({reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size()}, file.string());
 }
 
 }  // namespace umbrage

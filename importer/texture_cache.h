@@ -11,6 +11,7 @@
 #include <string>
 
 #include "core/result.h"
+#include "importer/decode_image.h"
 #include "scene/scene.h"
 
 struct aiScene;
@@ -38,6 +39,20 @@ struct ImageEdit {
   float base = 0.0f, gain = 1.0f;
 };
 
+/// The bytes of an image.
+struct EncodedImage {
+  std::string title = {};                   ///< for messages
+  std::string owned = {};                   ///< empty: the bytes are `part`
+  std::span<const std::uint8_t> part = {};  ///< of the model's file
+
+  std::span<const std::uint8_t> bytes() const {
+    return owned.empty() ? part : std::span(reinterpret_cast<const std::uint8_t*>(owned.data()), owned.size());
+  }
+};
+
+/// Names of images, and what for they are decoded.
+using ImageUses = std::map<std::string, ImageUse>;
+
 /// Adds textures to a scene. All functions return the index of a texture in the scene, or kNoTexture after adding one
 /// warning per missing or unreadable file.
 struct TextureCache {
@@ -48,8 +63,15 @@ struct TextureCache {
   std::set<std::string> reported = {};          // files with a warning
   std::map<std::string, ImageEdit> edits = {};  // names that stand for an image with changed texels
   std::set<std::string> nearest = {};           // names of textures whose texels have sharp edges
-  /// Reads a texture that is not in a file of its own; nothing if it is. May be empty.
-  std::function<std::optional<Result<Texture>>(const std::string& name)> read_embedded = {};
+  /// Returns an image that is not in a file of its own; nothing if it is. May be empty.
+  std::function<std::optional<Result<EncodedImage>>(const std::string& name)> read_embedded = {};
+  /// Not null: no image is read; each is a white texel, and is added here.
+  ImageUses* asked = nullptr;
+  ImageUses uses = {};                                  // of the images that are decoded in parallel
+  std::map<std::string, Result<Texture>> decoded = {};  // those of them that nothing has asked for so far
+
+  /// Decodes images in parallel, before the functions below ask for them. Warnings and errors are theirs.
+  void decode(const ImageUses& images);
 
   /// Finds a texture of colours. `consequence`: the end of the warning if it cannot be read.
   int find(const std::string& name, const char* consequence = "its surfaces are shown in a neutral colour");
@@ -67,16 +89,12 @@ struct TextureCache {
 
  private:
   Result<Texture> embedded(const aiTexture& texture, const std::string& name) const;
-  Result<Texture> read(const std::string& name) const;
-  /// Reads a texture, or adds a warning, which ends with `consequence`, unless the file has one.
-  std::optional<Texture> read_or_warn(const std::string& name, const char* consequence);
+  Result<EncodedImage> encoded(const std::string& name) const;
+  Result<Texture> read(const std::string& name);
+  /// Reads a texture, or adds a warning, which ends with `consequence`, unless the file has one. `linear`: see
+  /// ImageUse.
+  std::optional<Texture> read_or_warn(const std::string& name, const char* consequence, bool linear = false);
   int add(Texture texture, const std::string& key);
 };
-
-/// Decodes an image in memory; `name` is for messages. Errors: kFile.
-Result<Texture> decode_texture_image(std::span<const std::uint8_t> bytes, const std::string& name);
-
-/// Reads and decodes an image file. Errors: kFile.
-Result<Texture> read_texture_image(const std::filesystem::path& file);
 
 }  // namespace umbrage

@@ -1,10 +1,14 @@
 #include "rays/mip_texture.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "core/color.h"
 
@@ -130,30 +134,58 @@ float log2_of(float x) {
   return float(int(bits >> 23) - 127) + (t + t * (1.0f - t) * curve);
 }
 
-MipLevel half_of(const MipLevel& level, bool linear) {
-  MipLevel half{std::max(level.width / 2, 1), std::max(level.height / 2, 1), {}, false, level.clamped};
-  half.rgba.resize(std::size_t(half.width) * half.height * 4);
-  for (int y = 0; y < half.height; ++y)
-    for (int x = 0; x < half.width; ++x) {
-      // Each texel averages the texels that it covers: two per axis, three at the end of an odd side.
-      const int x0 = x * level.width / half.width, x1 = (x + 1) * level.width / half.width;
-      const int y0 = y * level.height / half.height, y1 = (y + 1) * level.height / half.height;
-      glm::vec3 weighted(0.0f), plain(0.0f);
-      float alpha = 0.0f;
-      for (int j = y0; j < y1; ++j)
-        for (int i = x0; i < x1; ++i) {
-          const glm::vec4 t = texel(level, decoding_of(linear), i, j);
-          weighted += glm::vec3(t) * t.a;
-          plain += glm::vec3(t);
-          alpha += t.a;
-        }
-      const float count = float((x1 - x0) * (y1 - y0));
-      const glm::vec3 color = alpha > 0.0f ? weighted / alpha : plain / count;
-      std::uint8_t* out = half.rgba.data() + (std::size_t(y) * half.width + x) * 4;
-      for (int c = 0; c < 3; ++c) out[c] = byte_of(linear ? color[c] : srgb_from_linear(color[c]));
-      out[3] = std::uint8_t(alpha / count * 255.0f + 0.5f);
+/// Returns byte_of(srgb_from_linear(v)) without the power.
+std::uint8_t srgb_byte_of(float v) {
+  constexpr int kSteps = 4096;  // a byte spans at least one of them
+  struct Bytes {
+    std::array<float, 257> least{};  // value of each byte
+    std::array<std::uint8_t, kSteps + 1> first{};
+    Bytes() {
+      for (std::size_t byte = 0; byte < 256; ++byte)
+        least[byte] = byte > 0 ? linear_from_srgb((float(byte) - 0.5f) / 255.0f) : 0.0f;
+      least[256] = std::numeric_limits<float>::infinity();
+      for (std::size_t k = 0; k < first.size(); ++k)
+        first[k] = byte_of(srgb_from_linear(float(k) * (1.0f / float(kSteps))));
     }
-  return half;
+  };
+  static const Bytes bytes;
+  std::size_t byte = bytes.first[std::size_t(std::clamp(v, 0.0f, 1.0f) * float(kSteps))];
+  while (v >= bytes.least[byte + 1]) ++byte;
+  return std::uint8_t(byte);
+}
+
+/// Averages the texels of a level that a texel of the next one covers: two per axis, three at the end of an odd side.
+void average(const MipLevel& level, bool linear, int x0, int x1, int y0, int y1, std::uint8_t* out) {
+  const Decoding& decoding = decoding_of(linear);
+  glm::vec3 weighted(0.0f), plain(0.0f);
+  float alpha = 0.0f;
+  for (int j = y0; j < y1; ++j)
+    for (int i = x0; i < x1; ++i) {
+      const glm::vec4 t = texel(level, decoding, i, j);
+      weighted += glm::vec3(t) * t.a;
+      plain += glm::vec3(t);
+      alpha += t.a;
+    }
+  const float count = float((x1 - x0) * (y1 - y0));
+  const glm::vec3 color = alpha > 0.0f ? weighted / alpha : plain / count;
+  for (int c = 0; c < 3; ++c) out[c] = linear ? byte_of(color[c]) : srgb_byte_of(color[c]);
+  out[3] = std::uint8_t(alpha / count * 255.0f + 0.5f);
+}
+
+/// Returns the next level, whose texels are written to `rgba`.
+MipLevel half_of(const MipLevel& level, bool linear, std::unique_ptr<std::uint8_t[]>& rgba) {
+  constexpr int kRows = 32;  // for each thread at least
+  const int width = std::max(level.width / 2, 1), height = std::max(level.height / 2, 1);
+  const std::size_t size = std::size_t(width) * std::size_t(height) * 4;
+  rgba = std::make_unique_for_overwrite<std::uint8_t[]>(size);
+  const auto end_of = [](int k, int half, int whole) { return k + 1 == half ? whole : 2 * k + 2; };
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, kRows), [&](const tbb::blocked_range<int>& rows) {
+    for (int y = rows.begin(); y < rows.end(); ++y)
+      for (int x = 0; x < width; ++x)
+        average(level, linear, 2 * x, end_of(x, width, level.width), 2 * y, end_of(y, height, level.height),
+                &rgba[(std::size_t(y) * std::size_t(width) + std::size_t(x)) * 4]);
+  });
+  return {width, height, {rgba.get(), size}, false, level.clamped};
 }
 
 }  // namespace
@@ -162,7 +194,7 @@ MipTexture make_mips(const Texture& texture) {
   MipTexture mips{.levels = {}, .linear = texture.linear};
   mips.levels.push_back({texture.width, texture.height, texture.rgba, texture.nearest, texture.clamped});
   while (mips.levels.back().width > 1 || mips.levels.back().height > 1)
-    mips.levels.push_back(half_of(mips.levels.back(), texture.linear));
+    mips.levels.push_back(half_of(mips.levels.back(), texture.linear, mips.rgba.emplace_back()));
   return mips;
 }
 

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "scene/scene.h"
@@ -12,19 +14,20 @@ namespace umbrage {
 /// One level of a texture.
 struct MipLevel {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> rgba;  ///< as in Texture
-  bool nearest = false;            ///< the first level of a Texture that is
-  bool clamped = false;            ///< as in Texture
+  std::span<const std::uint8_t> rgba;  ///< as in Texture
+  bool nearest = false;                ///< the first level of a Texture that is
+  bool clamped = false;                ///< as in Texture
 };
 
 /// A texture with all its levels.
 struct MipTexture {
-  std::vector<MipLevel> levels;  ///< the first is the texture itself, the last is 1 x 1
-  bool linear = false;           ///< as in Texture
+  std::vector<MipLevel> levels;                         ///< the first is the texture itself, the last is 1 x 1
+  bool linear = false;                                  ///< as in Texture
+  std::vector<std::unique_ptr<std::uint8_t[]>> rgba{};  ///< of all levels but the first
 };
 
-/// Creates the mip levels. Averages in linear light, weighted by alpha, so that the colour of cut-out texels does not
-/// bleed.
+/// Creates the mip levels with all threads. Averages in linear light, weighted by alpha, so that the colour of cut-out
+/// texels does not bleed. The texture must outlive the result.
 MipTexture make_mips(const Texture& texture);
 
 /// The texels of a texture that sample_filtered averages.

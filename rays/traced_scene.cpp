@@ -1,5 +1,6 @@
 #include "rays/traced_scene.h"
 
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
+#include <set>
 
 #include "scene/points.h"
 
@@ -145,6 +147,18 @@ glm::vec3 ray_origin_to_light(const TracedScene& traced, const Surface& surface,
 
 namespace {
 
+/// Returns the indices of the textures that rays can read: those of materials of meshes with texture coordinates.
+std::vector<int> textures_of_rays(const Scene& scene) {
+  std::set<int> used;
+  for (const Mesh& mesh : scene.meshes)
+    if (!mesh.uvs.empty()) {
+      Material material = scene.materials[std::size_t(mesh.material)];
+      for (const int* texture : textures_of(material)) used.insert(*texture);
+    }
+  used.erase(kNoTexture);
+  return {used.begin(), used.end()};
+}
+
 /// Passes a mesh to Embree, moved to unit space. Returns false if memory is exhausted.
 bool set_triangles(const TracedScene& traced, const Mesh& mesh, RTCGeometry geometry) {
   // Use buffers that Embree allocates: it reads 16 bytes per vertex, beyond the end of a shared array of 12 bytes each.
@@ -193,11 +207,13 @@ Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMoni
   rtcSetSceneFlags(traced->rtc, RTC_SCENE_FLAG_ROBUST);
   traced->center = scene.center();
   if (const float radius = scene.radius(); radius > 0.0f) traced->scale = std::exp2(-std::round(std::log2(radius)));
-  for (const Texture& texture : scene.textures) {
+  const std::vector<int> used = textures_of_rays(scene);
+  traced->textures.resize(scene.textures.size());
+  tbb::parallel_for(std::size_t(0), used.size(), [&](std::size_t k) {
     watch.reached(0.0);
-    if (watch.ended()) return interrupted();
-    traced->textures.push_back(make_mips(texture));
-  }
+    if (!watch.ended()) traced->textures[std::size_t(used[k])] = make_mips(scene.textures[std::size_t(used[k])]);
+  });
+  if (watch.ended()) return interrupted();
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     watch.reached(0.0);
     if (watch.ended()) return interrupted();

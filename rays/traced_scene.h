@@ -22,8 +22,8 @@ struct TracedScene {
   const Scene* scene = nullptr;
   RTCDevice device = nullptr;
   RTCScene rtc = nullptr;
-  int width = 8;  ///< packet_width of the device
-  std::vector<MipTexture> textures;
+  int width = 8;                     ///< packet_width of the device
+  std::vector<MipTexture> textures;  ///< those that rays cannot read are without levels
   glm::vec3 center{0.0f};
   float scale = 1.0f;  ///< units of unit space per scene unit
 

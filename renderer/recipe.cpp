@@ -318,6 +318,15 @@ Result<ImportSettings> import_settings(const Request& request) {
   return settings;
 }
 
+int fitted_px(const Request& request) {
+  const CameraSettings& camera = request.camera;
+  const bool is_placed = camera.index || camera.position || camera.focal_point || camera.view_up || camera.direction;
+  const bool is_default = !is_placed && !camera.view_angle_deg && camera.azimuth_deg == 0.0f &&
+                          camera.elevation_deg == 0.0f && camera.zoom <= 1.0f && !camera.orthographic;
+  // A camera may be fitted to what a section leaves.
+  return is_default && request.sections.empty() ? std::max(request.width, request.height) : 0;
+}
+
 Result<CaptureSettings> capture_settings(const Request& request, const Look& look, int shadows, long max_pixels) {
   const int guard = int(std::ceil(request.guard_band / 100.0f * float(std::max(request.width, request.height))));
   const long width = request.width + 2L * guard, height = request.height + 2L * guard;

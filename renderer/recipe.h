@@ -95,6 +95,8 @@ bool has_lines(const Look& look);
 Framing framing_of(const CameraSettings& camera);
 /// Returns the import settings for the model of a request. Errors: kUsage.
 Result<ImportSettings> import_settings(const Request& request);
+/// Returns ImportSettings::fitted_px for pictures whose camera is that of the request.
+int fitted_px(const Request& request);
 
 /// Returns what the device captures for a look. Errors: kUsage for too many layers or pixels.
 Result<CaptureSettings> capture_settings(const Request& request, const Look& look, int shadows,

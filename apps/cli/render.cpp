@@ -140,6 +140,7 @@ Result<RenderJob> make_job(const RenderOptions& o) {
   if (o.animates && !job.model_import.animation_index) job.model_import.animation_index = 0;
   auto output = output_of(o, job.model_import);
   if (!output) return output.error();
+  if (!output->is_moving()) job.model_import.fitted_px = fitted_px(o.request);
   auto lines = line_file_of(o, output->is_moving() ? output->count : 0);
   if (!lines) return lines.error();
   job.lines = std::move(*lines);

@@ -133,8 +133,9 @@ Result<void> thumbnails(const ThumbnailOptions& given) {
   if (!o.is_given("anti-aliasing") && !o.is_given("quality")) o.request.anti_aliasing = 4;
   const auto recipe = make_recipe(o.request);
   if (!recipe) return recipe.error();
-  const auto import_with = import_settings(o.request);
+  auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
+  import_with->fitted_px = fitted_px(o.request);
   const auto all = thumbnails_of(o);
   if (!all) return all.error();
   for (const Thumbnail& one : *all)

@@ -224,7 +224,8 @@ Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings&
     if (!traced) return traced.error();
     traced_ = std::move(*traced);
   }
-  add_layers(traced_ ? *traced_ : TracedScene(), settings, frame.info);
+  const TracedScene none;
+  add_layers(traced_ ? *traced_ : none, settings, frame.info);
   auto planes = empty_planes(frame.info);
   planes->scene = scene_;
   frame.storage = planes;

@@ -26,7 +26,7 @@ namespace umbrage {
 void serve_import(int argc, char** argv, const ImportFunction& import, const PanoramaFunction& panorama,
                   const ImportLimits& limits) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends this process when the host ends
-  constexpr int kArguments = 12, kPanoramaArguments = 3;
+  constexpr int kArguments = 13, kPanoramaArguments = 3;
   const bool is_panorama = panorama && argc == kPanoramaArguments && std::string_view(argv[1]) == kPanoramaOption;
   if ((argc != kArguments && !is_panorama) || ::fcntl(kImportResult, F_GETFD) < 0 ||
       ::fcntl(kImportDone, F_GETFD) < 0) {
@@ -43,6 +43,7 @@ void serve_import(int argc, char** argv, const ImportFunction& import, const Pan
   ::mallopt(M_TOP_PAD, kStep);
   ::mallopt(M_TRIM_THRESHOLD, kNever);
   ::mallopt(M_MMAP_THRESHOLD, kNever);
+  ::mallopt(M_ARENA_MAX, 1);  // each arena takes 64 MB of the address space
   limit_process(limits);
   raise_limits_for(file);
   const auto catch_bad_alloc = [&](const auto& read) -> decltype(read()) {
@@ -68,6 +69,7 @@ void serve_import(int argc, char** argv, const ImportFunction& import, const Pan
     settings.file_lights = number(9) != 0.0f;
     if (argv[10][0] == kFieldMark) settings.field = argv[10] + 1;
     settings.picture_px = std::atoi(argv[11]);
+    settings.fitted_px = std::atoi(argv[12]);
     sent = send_import(kImportResult, catch_bad_alloc([&] { return import(file, settings); }));
   }
   const char byte = 1;

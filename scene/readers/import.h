@@ -27,6 +27,9 @@ struct ImportSettings {
   /// The larger side of the picture or more, pixels: curved surfaces of CAD files become triangles that differ from
   /// them by at most a quarter of a pixel, if the whole model fills the picture.
   int picture_px = 1024;
+  /// The larger side of the picture if it shows the whole model by the default camera, pixels: textures are then
+  /// reduced to what its pixels average. 0: cameras may come close.
+  int fitted_px = 0;
   bool file_lights = false;  ///< whether the lights of a glTF file are read; else looks have their own
 };
 

@@ -166,7 +166,8 @@ Result<Scene> import_in_child_process(const fs::path& file, const ImportSettings
       {file.string(), number(settings.crease_angle_deg.value_or(kNoAngle)), number(settings.up.x),
        number(settings.up.y), number(settings.up.z), index(settings.scene_index), index(settings.animation_index),
        number(settings.animation_time), settings.file_lights ? "1" : "0",
-       settings.field ? kFieldMark + *settings.field : "", fmt::format("{}", settings.picture_px)},
+       settings.field ? kFieldMark + *settings.field : "", fmt::format("{}", settings.picture_px),
+       fmt::format("{}", settings.fitted_px)},
       receive_import, poll);
 }
 

@@ -27,9 +27,6 @@
 namespace umbrage {
 namespace {
 
-/// Max pixels of a texture: a gigabyte of RGBA. The header of a damaged file may contain any size.
-constexpr std::int64_t kMaxTexturePixels = std::int64_t(1) << 28;
-
 /// The size in an image's header.
 struct ImageHeader {
   int width = 0, height = 0;

@@ -11,6 +11,9 @@
 
 namespace umbrage {
 
+/// Max pixels of a texture: a gigabyte of RGBA. The header of a damaged file may contain any size.
+inline constexpr std::int64_t kMaxTexturePixels = std::int64_t(1) << 28;
+
 /// Decodes an image in memory; `name` is for messages. Errors: kFile if stb_image cannot decode the bytes, or if the
 /// image is too large.
 Result<Texture> decode_texture(std::span<const std::uint8_t> bytes, const std::string& name);

@@ -193,7 +193,11 @@ struct Reader {
     read(count);
     failed = failed || count > remaining / (kPlain<Value> ? sizeof(Value) : 1);
     if (failed) return;
-    if constexpr (kPlain<Value>) {
+    if constexpr (sizeof(Value) == 1) {
+      const auto* first = reinterpret_cast<const Value*>(at);
+      list.assign(first, first + count);  // unlike resize, writes each byte once
+      at += count, remaining -= count;
+    } else if constexpr (kPlain<Value>) {
       list.resize(count);
       bytes(list.data(), count * sizeof(Value));
     } else {
