@@ -36,13 +36,12 @@ class SolidMaker {
     std::vector<glm::dvec2> points;
     std::vector<Loop> loops;
     for (Points2& outline : outlines) {
-      if (&outline != &outlines.front()) std::reverse(outline.begin(), outline.end());
       loops.emplace_back();
       for (const vec2& p : outline) loops.back().push_back(std::uint32_t(points.size())), points.emplace_back(p);
     }
     const auto first = std::uint32_t(mesh.positions.size());
     for (const glm::dvec2& p : points) mesh.positions.push_back({float(p.x), float(p.y), z});
-    for (const auto& [a, b, c] : triangulate(points, loops, Inside::kNonzero))
+    for (const auto& [a, b, c] : triangulate(points, loops))
       mesh.indices.insert(mesh.indices.end(), {first + a, first + (up ? b : c), first + (up ? c : b)});
   }
   /// Adds walls from an outline at z0 to one with as many points at z1 > z0, seen from outside or from inside.
