@@ -100,8 +100,8 @@ TEST(FilledRegions, EmptyPicturesHaveNone) {
 
 class FillTest : public test::ProgramTest {
  protected:
-  /// Returns the share of pixels that librsvg draws within 12 of 255 of another picture.
-  double equal_share(const std::string& svg, const std::string& png) {
+  /// Returns the fraction of pixels that librsvg draws within 12 of 255 of another picture.
+  double equal_fraction(const std::string& svg, const std::string& png) {
     const std::string line =
         fmt::format("cd {} && rsvg-convert {} -o fill.png", test::quoted(folder_.string()), test::quoted(svg));
     EXPECT_EQ(std::system(line.c_str()), 0) << line;
@@ -122,12 +122,12 @@ TEST_F(FillTest, LooksLikeThePicture) {
   const std::string line = "scene:pink --device cpu --look cartoon --background-color '#eeeeee' --resolution 320x320 ";
   good(line + "-o pink.png");
   good(line + "-o pink.svg --areas tone");
-  EXPECT_GE(equal_share("pink.svg", "pink.png"), 0.95);
+  EXPECT_GE(equal_fraction("pink.svg", "pink.png"), 0.95);
   good(line + "-o part.svg --areas part");
   good(line + "-o lines.svg");
-  const double part = equal_share("part.svg", "pink.png"), lines = equal_share("lines.svg", "pink.png");
+  const double part = equal_fraction("part.svg", "pink.png"), lines = equal_fraction("lines.svg", "pink.png");
   EXPECT_LT(lines, part);
-  EXPECT_LT(part, equal_share("pink.svg", "pink.png"));
+  EXPECT_LT(part, equal_fraction("pink.svg", "pink.png"));
 }
 
 TEST_F(FillTest, IsOfDrawingsAlone) {
