@@ -23,10 +23,12 @@ constexpr double kMinForward = -0.6;        // cosine of 127 degrees, the max tu
 constexpr double kCornerExtent = 10.0;      // pixels: shorter pieces between two others may be a rounded corner
 constexpr double kLongCornerExtent = 30.0;  // pixels, the same between long lines
 constexpr std::size_t kCornerPieces = 8;    // max number of them
+constexpr double kHook = 20.0;              // pixels: max length of pieces where a line was joined to another
 constexpr double kCornerReach = 2.5;        // pixels: max distance of a corner from the sample where pieces meet
 constexpr double kMinSharpness = 4.0;       // min ratio of the curvatures of a rounded corner and of its sides
 constexpr double kRounding = 0.3;           // pixels: max distance of a sharp corner from the one that tracing rounded
 constexpr double kLongRounding = 1.0;       // pixels, the same between long lines
+constexpr double kHookOffset = 1.5;         // pixels: max distance from a long line of the hook at its end
 constexpr std::size_t kTrim = 3;            // samples at a corner that may be rounded
 constexpr std::size_t kMinTrimmed = 12;     // samples: min length of a piece that is not fitted to them
 constexpr double kMaxBack = 0.5;            // pixels that samples may run back along their curve
@@ -297,6 +299,23 @@ void sharpen_corners(const Samples& s, std::vector<CurvePiece>& pieces) {
     }
 }
 
+/// Removes short pieces at one end of an open polyline, beside a long line: there it was joined to another one.
+void remove_hook(const Samples& s, std::vector<CurvePiece>& pieces, bool at_start) {
+  const std::size_t last = s.size() - 1;
+  for (std::size_t n = 1; n <= kCornerPieces && n < pieces.size(); ++n) {
+    CurvePiece& line = at_start ? pieces[n] : pieces[pieces.size() - 1 - n];
+    const CurvePiece hook = at_start ? CurvePiece{.last = line.first} : CurvePiece{.first = line.last, .last = last};
+    double off = 0.0;
+    for (std::size_t k = hook.first; k <= hook.last; ++k) off = std::max(off, std::abs(line.curve.distance(s[k].at)));
+    if (!is_long_line(s, line) || extent(s, hook) > std::min(kHook, extent(s, line) / 3.0) || off > kHookOffset)
+      continue;
+    (at_start ? line.first : line.last) = at_start ? 0 : last;
+    const auto begin = at_start ? pieces.begin() : pieces.end() - std::ptrdiff_t(n);
+    pieces.erase(begin, begin + std::ptrdiff_t(n));
+    return;
+  }
+}
+
 /// Makes a sample the first of a closed polyline.
 void rotate_samples(Samples& s, std::size_t by) {
   s.pop_back();
@@ -462,6 +481,8 @@ CurveFit fit_curve(const Stroke& stroke, double tolerance, bool sharpens) {
   if (!pieces.empty()) return fit;
   pieces = closed ? closed_pieces(s, sharpens, tolerance) : std::vector<CurvePiece>();
   if (pieces.empty()) pieces = open_pieces(s, sharpens, tolerance);
+  for (const bool at_start : {true, false})
+    if (sharpens && !closed) remove_hook(s, pieces, at_start);
   join_pieces(s, pieces, closed, sharpens, tolerance);
   return fit;
 }

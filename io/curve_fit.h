@@ -60,8 +60,8 @@ glm::dvec2 meeting_point(std::span<const FittedCurve> curves, glm::dvec2 near, d
 /// Fits a stroke. All samples of a piece are within `tolerance` pixels of its curve, and within a sixth of that on the
 /// root mean square. If `sharpens`, tracing is corrected: corners that it has rounded are sharp, 0.3 pixels away from
 /// the samples at most, and 1 pixel between lines longer than 30 pixels. Samples of these and of circles may be four
-/// tolerances away. The first and last piece of a closed stroke meet. A circle has two pieces. Returns no pieces if all
-/// points coincide.
+/// tolerances away, and hooks at their ends 1.5 pixels. The first and last piece of a closed stroke meet. A circle has
+/// two pieces. Returns no pieces if all points coincide.
 CurveFit fit_curve(const Stroke& stroke, double tolerance, bool sharpens);
 
 }  // namespace umbrage
