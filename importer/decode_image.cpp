@@ -45,7 +45,7 @@ const Transfer& transfer_of(bool linear) {
   return linear ? plain : srgb;
 }
 
-/// Takes the rows of an image and averages blocks of texels, as make_mips does: weighted by alpha.
+/// Takes the rows of an image and averages blocks of texels, each channel by itself.
 class Rows {
  public:
   /// `width` and `height`: of the rows; `block`: see block_side.
@@ -71,7 +71,7 @@ class Rows {
 
  private:
   struct Sum {
-    std::uint32_t color[3] = {}, weight = 0, alpha = 0;
+    std::uint32_t color[3] = {}, alpha = 0;
   };
 
   std::size_t row_begin() const { return count_ / block_ * std::size_t(texture_.width) * kRgba; }
@@ -80,10 +80,7 @@ class Rows {
     const std::uint8_t* texel = row_.data();
     for (Sum& sum : sums_) {
       for (std::size_t k = 0; k < block_; ++k, texel += kRgba) {
-        // Not 0, so that wholly transparent blocks have a colour. 64 texels of 65535 * 255 fit.
-        const std::uint32_t weight = std::max<std::uint32_t>(texel[3], 1);
-        for (std::size_t c = 0; c < 3; ++c) sum.color[c] += transfer_.linear[texel[c]] * weight;
-        sum.weight += weight;
+        for (std::size_t c = 0; c < 3; ++c) sum.color[c] += transfer_.linear[texel[c]];
         sum.alpha += texel[3];
       }
     }
@@ -93,7 +90,7 @@ class Rows {
     const auto count = std::uint32_t(block_ * block_);
     std::uint8_t* to = &texture_.rgba[row_begin()];
     for (Sum& sum : sums_) {
-      for (std::size_t c = 0; c < 3; ++c) *to++ = transfer_.byte[(sum.color[c] + sum.weight / 2) / sum.weight];
+      for (std::size_t c = 0; c < 3; ++c) *to++ = transfer_.byte[(sum.color[c] + count / 2) / count];
       *to++ = std::uint8_t((sum.alpha + count / 2) / count);
       sum = {};
     }

@@ -294,7 +294,7 @@ Result<Scene> build_scene(GltfFile& file, const ImportSettings& settings) {
                       build.counts.out_of_range);
   const std::vector<glm::dvec3> motion = motion_of(build);
   move_to_scene(std::move(build.meshes), build.scene, motion);
-  read_gltf_materials(file, build.materials, smallest_footprints(build.scene, build.materials.images.size(), settings),
+  read_gltf_materials(file, build.materials, smallest_footprints(build.scene, build.materials.images, settings),
                       build.scene);
   add_cameras(build);
   add_lights(build);

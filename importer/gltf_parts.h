@@ -75,9 +75,11 @@ GltfMaterials list_gltf_materials(GltfFile& file);
 void read_gltf_materials(GltfFile& file, const GltfMaterials& listed, const std::vector<float>& footprints,
                          Scene& scene);
 
-/// Returns for each of the materials the width of the smallest area of a texture that a pixel averages, in texture
-/// coordinates, if the picture is that of ImportSettings::fitted_px; 0: not known. Sets the bounds of the scene, about.
-std::vector<float> smallest_footprints(Scene& scene, std::size_t materials, const ImportSettings& settings);
+/// Returns for each material, of which `images` are needed, the width of the smallest area of a texture that a pixel
+/// averages, in texture coordinates, if the picture is that of ImportSettings::fitted_px; 0: not known. Sets the bounds
+/// of the scene, about.
+std::vector<float> smallest_footprints(Scene& scene, const std::vector<ImageUses>& images,
+                                       const ImportSettings& settings);
 
 /// Removes textures that no material refers to.
 void drop_unused_textures(Scene& scene);

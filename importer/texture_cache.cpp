@@ -104,12 +104,18 @@ void TextureCache::decode(const ImageUses& images) {
         std::size_t(0), jobs.size(),
         [&](std::size_t k) {
           Job& job = jobs[k];
-          job.texture = job.image ? decode_texture_image(job.image->bytes(), job.image->title, job.use)
-                                  : Result<Texture>(job.image.error());
+          try {
+            job.texture = job.image ? decode_texture_image(job.image->bytes(), job.image->title, job.use)
+                                    : Result<Texture>(job.image.error());
+          } catch (const std::bad_alloc&) {
+            job.texture = file_error("'{}' is too large", job.image->title);
+          }
           job.image = EncodedImage();
         },
         tbb::simple_partitioner());
   });
+  // One that failed is read again when it is asked for: alone it may find the memory that it lacked.
+  std::erase_if(decoded, [](const auto& each) { return !each.second; });
 }
 
 Result<Texture> TextureCache::read(const std::string& name) {

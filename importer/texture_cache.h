@@ -50,7 +50,7 @@ struct EncodedImage {
   }
 };
 
-/// Names of images, and what for they are decoded.
+/// Names of images, and what they are decoded for.
 using ImageUses = std::map<std::string, ImageUse>;
 
 /// Adds textures to a scene. All functions return the index of a texture in the scene, or kNoTexture after adding one
@@ -70,7 +70,7 @@ struct TextureCache {
   ImageUses uses = {};                                  // of the images that are decoded in parallel
   std::map<std::string, Result<Texture>> decoded = {};  // those of them that nothing has asked for so far
 
-  /// Decodes images in parallel, before the functions below ask for them. Warnings and errors are theirs.
+  /// Decodes images in parallel, before the functions below ask for them, which report errors.
   void decode(const ImageUses& images);
 
   /// Finds a texture of colours. `consequence`: the end of the warning if it cannot be read.

@@ -71,15 +71,18 @@ bool set_rough_bounds(Scene& scene) {
 
 }  // namespace
 
-std::vector<float> smallest_footprints(Scene& scene, std::size_t materials, const ImportSettings& settings) {
-  if (settings.fitted_px <= 0 || !set_rough_bounds(scene)) return std::vector<float>(materials, 0.0f);
+std::vector<float> smallest_footprints(Scene& scene, const std::vector<ImageUses>& images,
+                                       const ImportSettings& settings) {
+  const auto needs_none = [](const ImageUses& images) { return images.empty(); };
+  if (settings.fitted_px <= 0 || std::all_of(images.begin(), images.end(), needs_none) || !set_rough_bounds(scene))
+    return std::vector<float>(images.size(), 0.0f);
   Framing framing;
   if (settings.up != glm::vec3(0.0f)) framing.view_up = settings.up;
   const Camera camera = frame_scene(scene, framing, settings.fitted_px, settings.fitted_px);
   const double pixel_at_1 = double(camera.top - camera.bottom) / double(settings.fitted_px);
-  std::vector<Widths> widths(materials);
+  std::vector<Widths> widths(images.size());
   for (const Mesh& mesh : scene.meshes) {
-    if (mesh.points || mesh.uvs.size() != mesh.positions.size()) continue;
+    if (mesh.points || images[std::size_t(mesh.material)].empty() || mesh.uvs.size() != mesh.positions.size()) continue;
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
       const std::uint32_t* corner = &mesh.indices[i];
       if (std::max({corner[0], corner[1], corner[2]}) >= mesh.positions.size()) continue;

@@ -37,7 +37,7 @@ StrokeKind drawn_kind(const Stroke& stroke, const std::map<int, int>& caps) {
   const auto here = caps.find(stroke.object), there = caps.find(stroke.beside);
   if (stroke.kind == StrokeKind::kHidden || (here == caps.end() && there == caps.end())) return stroke.kind;
   const bool is_one_cap = here != caps.end() && there != caps.end() && here->second == there->second;
-  return is_one_cap && std::abs(stroke.object - stroke.beside) == 1 ? StrokeKind::kHatch : StrokeKind::kSection;
+  return is_one_cap && here != there ? StrokeKind::kHatch : StrokeKind::kSection;
 }
 
 /// Returns the widths along a piece, from the samples that it was fitted to.
@@ -173,21 +173,22 @@ Result<Drawing> drawing_of(const Strokes& strokes, const LineStyle& style) {
   if (auto status = check_strokes(strokes); !status) return status.error();
   std::map<std::pair<StrokeKind, int>, std::vector<DrawnShape>> layers;
   std::vector<Line> lines;
-  std::vector<Stroke> drawn = strokes.strokes;
-  for (Stroke& stroke : drawn) {
-    stroke.kind = drawn_kind(stroke, style.caps);
+  const auto layer_of = [&](const Stroke& stroke) -> std::vector<DrawnShape>& {
+    return layers[{drawn_kind(stroke, style.caps), stroke.object}];
+  };
+  for (const Stroke& stroke : strokes.strokes) {
     const auto width = [](const StrokePoint& a, const StrokePoint& b) { return a.width < b.width; };
     const auto widest = std::max_element(stroke.points.begin(), stroke.points.end(), width);
     if (widest == stroke.points.end() || widest->width < kMinWidth) continue;
     const std::size_t before = lines.size();
     add_lines_of(stroke, style, lines);
-    if (lines.size() == before) layers[{stroke.kind, stroke.object}].push_back(dot_of(*widest, style));
+    if (lines.size() == before) layer_of(stroke).push_back(dot_of(*widest, style));
   }
   join_ends(lines);
   std::set<std::array<long, 4>> straight;
   for (const Line& line : lines)
     if (const auto ends = ends_of(line); !ends || straight.insert(*ends).second)
-      layers[{line.stroke->kind, line.stroke->object}].push_back(path_of(line, style));
+      layer_of(*line.stroke).push_back(path_of(line, style));
   Drawing drawing{.width = float(strokes.width), .height = float(strokes.height), .background = style.background};
   for (auto& [key, shapes] : layers)
     drawing.layers.push_back({std::string(layer_name(key.first)), key.second, style.opacity, std::move(shapes)});

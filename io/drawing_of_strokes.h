@@ -14,7 +14,7 @@ struct LineStyle {
   DrawnColor color{};
   float opacity = 1.0f;  ///< of all lines as a group: overlaps are not darker
   std::optional<DrawnColor> background;
-  std::map<int, int> caps = {};  ///< of sections: the material of each object; strips of a cap are two objects
+  std::map<int, int> caps = {};  ///< of sections: the cap that each object belongs to; its strips are two objects
   bool varies = true;  ///< lines of varying width are drawn as areas; else every line is a stroke of its mean width
 };
 

@@ -18,8 +18,7 @@ constexpr int kNoRegion = -1, kOutside = -2;  // labels of pixels without an are
 constexpr std::size_t kMaxTones = 8;          // of an object
 constexpr float kMinToneDistance = 0.04f;     // of colours, sRGB
 constexpr int kColorLevels = 32;              // per channel, of the histogram of colours
-constexpr double kBorderTolerance = 0.7;      // pixels
-constexpr int kSmoothings = 3;                // of a border, which follows pixels
+constexpr double kBorderTolerance = 1.0;      // pixels
 constexpr float kOverlap = 0.6f;              // pixels: width of the stroke that hides seams between areas
 
 /// The label of each pixel: the index of its region, kNoRegion or kOutside.
@@ -141,6 +140,7 @@ using Corner = std::array<int, 2>;
 /// A border between two regions, from one corner where more than two meet to the next, or closed.
 struct Border {
   int left = kNoRegion, right = kNoRegion;
+  bool closed = false;
   std::vector<Corner> corners;
 };
 
@@ -157,7 +157,7 @@ class BorderTracer {
         for (int x = 0; x <= labels_.width; ++x)
           for (int way = 0; way < 4; ++way)
             if (is_border({x, y}, way) && !is_done({x, y}, way) && (!from_nodes || is_node({x, y})))
-              borders.push_back(follow({x, y}, way));
+              borders.push_back(follow({x, y}, way, !from_nodes));
     return borders;
   }
 
@@ -190,8 +190,8 @@ class BorderTracer {
   }
   bool is_done(Corner c, int way) { return done(c) >> way & 1; }
 
-  Border follow(Corner c, int way) {
-    Border border;
+  Border follow(Corner c, int way, bool closed) {
+    Border border{.closed = closed};
     std::tie(border.left, border.right) = sides(c, way);
     border.corners.push_back(c);
     while (way < 4) {
@@ -210,26 +210,62 @@ class BorderTracer {
   std::vector<unsigned char> done_;  // ways of each corner
 };
 
-/// Returns the curves of a border: the middles of its edges, smoothed, between its ends.
-SpinePieces curves_of(const Border& border) {
-  const auto point = [&](std::size_t k) { return glm::dvec2(border.corners[k][0], border.corners[k][1]); };
-  const std::size_t count = border.corners.size();
-  const bool closed = border.corners.front() == border.corners.back();
-  std::vector<glm::dvec2> points;
-  if (!closed) points.push_back(point(0));
-  for (std::size_t k = 1; k < count; ++k) points.push_back(0.5 * (point(k - 1) + point(k)));
-  points.push_back(closed ? points.front() : point(count - 1));
-  for (int round = 0; round < kSmoothings; ++round) {
-    const std::vector<glm::dvec2> before = points;
-    const std::size_t last = points.size() - 1;
-    for (std::size_t k = 1; k < last; ++k) points[k] = 0.25 * (before[k - 1] + 2.0 * before[k] + before[k + 1]);
-    if (closed && last > 1) points[0] = points[last] = 0.25 * (before[last - 1] + 2.0 * before[0] + before[1]);
+/// Returns the points of a border: the middle of each run of edges in one direction, where the outline that the pixels
+/// approximate crosses it, and corners between two runs that are no steps of one pixel.
+std::vector<glm::dvec2> points_of(Border border) {
+  std::vector<Corner>& corners = border.corners;
+  const auto is_turn = [](const Corner& before, const Corner& after) {
+    return before[0] != after[0] && before[1] != after[1];
+  };
+  if (border.closed) {  // it starts at a turn
+    corners.pop_back();
+    const std::size_t count = corners.size();
+    std::size_t start = 0;
+    while (start < count && !is_turn(corners[(start + count - 1) % count], corners[(start + 1) % count])) ++start;
+    std::rotate(corners.begin(), corners.begin() + std::ptrdiff_t(start), corners.end());
+    corners.push_back(corners.front());
   }
-  Stroke stroke{.closed = closed};
+  std::vector<std::size_t> ends = {0};  // of runs
+  for (std::size_t k = 1; k + 1 < corners.size(); ++k)
+    if (is_turn(corners[k - 1], corners[k + 1])) ends.push_back(k);
+  ends.push_back(corners.size() - 1);
+  const auto point = [&](std::size_t k) { return glm::dvec2(corners[k][0], corners[k][1]); };
+  std::vector<glm::dvec2> points;
+  if (!border.closed) points.push_back(point(0));
+  const std::size_t runs = ends.size() - 1;
+  for (std::size_t k = 0; k < runs; ++k) {
+    points.push_back(0.5 * (point(ends[k]) + point(ends[k + 1])));
+    const std::size_t next = (k + 1) % runs;
+    const bool is_corner = ends[k + 1] - ends[k] > 1 && ends[next + 1] - ends[next] > 1;
+    if (is_corner && (next > 0 || border.closed)) points.push_back(point(ends[k + 1]));
+  }
+  points.push_back(border.closed ? points.front() : point(corners.size() - 1));
+  return points;
+}
+
+/// Returns the straight line between two points.
+SpinePiece line_between(const glm::dvec2& from, const glm::dvec2& to) {
+  SpinePiece line{{.from = from, .to = to}, {1.0f}};
+  line.piece.make_straight();
+  return line;
+}
+
+/// Returns the curves of a border, which end where it ends.
+SpinePieces curves_of(const Border& border) {
+  const std::vector<glm::dvec2> points = points_of(border);
+  Stroke stroke{.closed = border.closed};
   for (const glm::dvec2& p : points) stroke.points.push_back({float(p.x), float(p.y), 1.0f});
   SpinePieces curves;
   for (const CurvePiece& piece : fit_curve(stroke, kBorderTolerance, false).pieces) curves.push_back({piece, {1.0f}});
-  if (!curves.empty() && !closed) curves.front().piece.from = points.front(), curves.back().piece.to = points.back();
+  if (curves.empty() || border.closed) return curves;
+  // A line is moved to the end; an arc would be another one.
+  CurvePiece &first = curves.front().piece, &last = curves.back().piece;
+  const SpinePiece before = line_between(points.front(), first.from), after = line_between(last.to, points.back());
+  const bool is_arc_first = first.curve.radius > 0.0, is_arc_last = last.curve.radius > 0.0;
+  if (!is_arc_first) first.from = points.front();
+  if (!is_arc_last) last.to = points.back();
+  if (is_arc_first) curves.insert(curves.begin(), before);
+  if (is_arc_last) curves.push_back(after);
   return curves;
 }
 

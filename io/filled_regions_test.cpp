@@ -91,6 +91,28 @@ TEST(FilledRegions, TonesAreOfAnObjectAndNoLines) {
   }
 }
 
+TEST(FilledRegions, ArcsEndWhereBordersMeet) {
+  constexpr float kRadius = 25.0f;
+  for (int degrees = 0; degrees < 180; degrees += 7) {
+    const float x_part = std::cos(float(degrees) * 0.01745f), y_part = std::sin(float(degrees) * 0.01745f);
+    const Image picture = drawn(64, 64, [&](float x, float y) {
+      const bool is_inside = std::hypot(x - 31.7f, y - 32.2f) < kRadius;
+      return std::pair(!is_inside ? -1 : x_part * (x - 30.0f) + y_part * (y - 33.0f) > 0.0f ? 1 : 0, 0.5f);
+    });
+    double area = 0.0;
+    for (const DrawnLayer& layer : filled_regions(picture, FillBy::kPart)) area += std::abs(area_of(path_of(layer, 0)));
+    EXPECT_NEAR(area, M_PI * kRadius * kRadius, 0.01 * M_PI * kRadius * kRadius) << degrees;
+  }
+}
+
+TEST(FilledRegions, AStraightBorderIsALine) {
+  const Image picture =
+      drawn(200, 100, [](float x, float y) { return std::pair(y > 20.3f + 0.07f * x ? 0 : -1, 0.5f); });
+  const auto layers = filled_regions(picture, FillBy::kPart);
+  ASSERT_EQ(layers.size(), 1u);
+  EXPECT_LE(path_of(layers[0], 0).segments.size(), 6u);
+}
+
 TEST(FilledRegions, EmptyPicturesHaveNone) {
   EXPECT_TRUE(filled_regions(drawn(16, 8, [](float, float) { return std::pair(-1, 1.0f); }), FillBy::kTone).empty());
   const auto whole = filled_regions(drawn(1, 1, [](float, float) { return std::pair(0, 0.5f); }), FillBy::kTone);
@@ -119,7 +141,7 @@ class FillTest : public test::ProgramTest {
 };
 
 TEST_F(FillTest, LooksLikeThePicture) {
-  const std::string line = "scene:pink --device cpu --look cartoon --background-color '#eeeeee' --resolution 320x320 ";
+  const std::string line = "scene:pink --device cpu --look cartoon --background-color #eeeeee --resolution 640x640 ";
   good(line + "-o pink.png");
   good(line + "-o pink.svg --areas tone");
   EXPECT_GE(equal_fraction("pink.svg", "pink.png"), 0.95);

@@ -147,6 +147,18 @@ TEST(Blend, NoSeamWhereOpacityBecomesFull) {
   }
 }
 
+TEST(Blend, LinesOfOneSampleAreDrawnOverTheMean) {
+  const Scene scene = wall_behind({pane(0.5f)});
+  Request request;
+  request.look = "cartoon";
+  request.width = request.height = 32;
+  request.anti_aliasing = 1;
+  const auto plan = make_plan(*make_recipe(request), scene, 1);
+  ASSERT_TRUE(plan);
+  EXPECT_TRUE(plan->has_blended);
+  EXPECT_FALSE(plan->lines.empty());
+}
+
 TEST(Blend, StripsAreTheSame) {
   const Scene scene = wall_behind({pane(0.25f), pane(0.5f, {0.1f, 0.1f, 0.9f})});
   for (const char* look : {"studio", "cartoon"}) {

@@ -288,11 +288,11 @@ Result<Plan> plan_of_view(const Recipe& recipe, const Scene& scene, int threads,
   plan.sky_gain = sky_gain(plan);
   if (const Parameter* noise = noise_of(recipe))
     plan.first_noise = int_value(*noise, params_of(settings, recipe.occlusion));
+  plan.has_blended = averages_something(recipe) && has_blended(scene);
   if (plan.averages() || recipe.lines_apart) plan.lines = take_lines_over_average(recipe, settings);
   set_given(scene, plan);
   if (auto status = check_passes(plan); !status) return status.error();
   plan.output = params_of(settings, effect_with<OutputParams>().name);
-  plan.has_blended = averages_something(recipe) && has_blended(scene);
   if (!plan.averages()) return plan;
   // Samples hold linear light with alpha, so that edges blend with the background as light (or as square roots of it).
   auto& output = params_of<OutputParams>(settings);

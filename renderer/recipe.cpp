@@ -323,8 +323,9 @@ int fitted_px(const Request& request) {
   const bool is_placed = camera.index || camera.position || camera.focal_point || camera.view_up || camera.direction;
   const bool is_default = !is_placed && !camera.view_angle_deg && camera.azimuth_deg == 0.0f &&
                           camera.elevation_deg == 0.0f && camera.zoom <= 1.0f && !camera.orthographic;
-  // A camera may be fitted to what a section leaves.
-  return is_default && request.sections.empty() ? std::max(request.width, request.height) : 0;
+  // A camera may be fitted to what a section leaves, and parts that move apart may come closer.
+  return is_default && request.sections.empty() && request.explode == 0.0f ? std::max(request.width, request.height)
+                                                                           : 0;
 }
 
 Result<CaptureSettings> capture_settings(const Request& request, const Look& look, int shadows, long max_pixels) {

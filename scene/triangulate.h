@@ -28,7 +28,8 @@ double twice_area(std::span<const glm::dvec2> points, const Loop& loop);
 /// Returns triangles, counterclockwise, that fill the region bounded by loops that may touch, but do not cross: where a
 /// ray to the outside crosses an odd number of loops, whatever their directions. Their corners are those of the loops
 /// that bound the region, and no side of a triangle runs through another corner, so that they share all edges of these
-/// loops. Loops that cross get triangles, too, some of which overlap or face down. Holes are joined to their polygon by
+/// loops. Loops that cross, and those of which a corner would take more than 1024 steps, get triangles, too,
+/// some of which overlap, have no area or face down. Holes are joined to their polygon by
 /// a bridge.
 std::vector<std::array<std::uint32_t, 3>> triangulate(std::span<const glm::dvec2> points,
                                                       const std::vector<Loop>& loops);

@@ -178,14 +178,14 @@ Mesh spring() {
 struct Part {
   const char* name;
   Mesh mesh;
-  bool with_hidden = false;  ///< they take seconds
+  double min_hidden = 0.0;  ///< fraction of its hidden lines to be found; 0: they are not drawn, which takes seconds
 };
 
 std::vector<Part> all_parts() {
   return {{"cube", shapes::box({-1, -1, -1}, {1, 1, 1})},
-          {"fan", fan(), true},
-          {"bracket", bracket(), true},
-          {"gear", gear(), true},
+          {"fan", fan(), 0.98},
+          {"bracket", bracket(), 0.98},
+          {"gear", gear(), 0.96},  // edges of its teeth are near each other: of lines that coincide only one is drawn
           {"block with a pocket", pocket()},
           {"bolt", bolt()},
           {"shaft", shaft()},
@@ -292,7 +292,7 @@ TEST(HiddenLines, OfTenPartsAreExact) {
     Compared visible, hidden;
     for (const TestCamera& camera : kCameras) {
       Scene scene = scene_of({part.mesh});
-      const bool with_hidden = part.with_hidden && !camera.parallel;
+      const bool with_hidden = part.min_hidden > 0.0 && !camera.parallel;
       const Drawn drawn = drawn_lines(scene, request_of(camera, with_hidden));
       const ExactLines exact(scene, drawn.info, kCreaseDeg);
       ASSERT_EQ(exact.borders, 0) << part.name << " is closed";
@@ -306,11 +306,9 @@ TEST(HiddenLines, OfTenPartsAreExact) {
     fmt::print("{}: {}\n", part.name, visible.text());
     EXPECT_GE(visible.found_share(), 0.98) << part.name << ": " << visible.text();
     EXPECT_LE(visible.wrong_share(), 0.02) << part.name << ": " << visible.text();
-    if (!part.with_hidden) continue;
+    if (part.min_hidden == 0.0) continue;
     fmt::print("{}, hidden: {}\n", part.name, hidden.text());
-    // Edges of a gear's teeth are near each other: of lines that coincide only one is drawn.
-    EXPECT_GE(hidden.found_share(), std::string_view(part.name) == "gear" ? 0.96 : 0.98)
-        << part.name << ": " << hidden.text();
+    EXPECT_GE(hidden.found_share(), part.min_hidden) << part.name << ": " << hidden.text();
     EXPECT_LE(hidden.wrong_share(), 0.02) << part.name << ": " << hidden.text();
   }
 }

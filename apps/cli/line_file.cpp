@@ -55,7 +55,8 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
   if (o.figure.fill != "none") lines.fill = o.figure.fill == "part" ? FillBy::kPart : FillBy::kTone;
   if (lines.fill && (!lines.alone || is_dxf(o.output)))
     return field_error("--areas", o.figure.fill,
-                       "{} {} needs an --output of lines, such as -o lines.svg with --look cartoon");
+                       "{} {} fills the lines of an --output of .svg or .pdf, with --look cartoon or technical and "
+                       "without --color-by");
   const char* option = lines.alone ? "--output" : "--svg";
   lines.file = lines.alone ? o.output : o.svg;
   if (!lines) return lines;
@@ -86,7 +87,8 @@ Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, L
 
 void disable_unused_effects(const LineFile& lines, Request& request) {
   request.anti_aliasing = 1;
-  if (find_params<HatchingParams>(lines.params) || lines.fill || !request.occlusion_radius.empty()) return;
+  if (find_params<HatchingParams>(lines.params) || lines.fill == FillBy::kTone || !request.occlusion_radius.empty())
+    return;
   request.occlusion = kNoOcclusion;
   request.occlusion_scale.clear();
 }

@@ -235,7 +235,7 @@ Result<StripSizes> planned_strips(const RenderOptions& o, RenderJob& job, const 
                                   o.request.width, o.request.height, o.memory, advice),
                       "--memory", o.memory);
   };
-  if (job.lines.fill) return too_large("--areas", o.figure.fill, "raise --memory, or lower --resolution");
+  if (job.lines.fill) return too_large("--areas", " " + o.figure.fill, "raise --memory, or lower --resolution");
   if (o.writes_only("all")) return too_large("--passes", " all", "name the passes, or raise --memory");
   if (is_page(o.output) && !job.lines.alone)
     return too_large("--output", fmt::format(" '{}'", o.output),
@@ -291,9 +291,10 @@ Result<void> render_scene(const RenderOptions& o, RenderJob& job, const std::sha
     line->wipe();
     print_warning(scene->warnings[k]);
   }
+  if (scene->ground_object == objects) ++objects;
   for (const Mesh& mesh : scene->meshes)
     if (mesh.object >= objects && mesh.object != scene->ground_object)
-      job.lines.style.caps[mesh.object] = mesh.material;
+      job.lines.style.caps[mesh.object] = (mesh.object - objects) / 2;  // a cap has two
   if (!o.views.empty()) {
     if (auto ready = device->prepare(*scene); !ready) return ready;
     line.reset();

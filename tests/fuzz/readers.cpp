@@ -20,6 +20,7 @@
 #include "gbuffers/gbuffer_file.h"
 #include "gbuffers/packing.h"
 #include "generators/builtin.h"
+#include "importer/decode_image.h"
 #include "importer/importer.h"
 #include "importer/readers.h"
 #include "io/format.h"
@@ -33,7 +34,6 @@
 #include "scene/readers/obj.h"
 #include "scene/readers/obj_text.h"
 #include "scene/readers/text_rules.h"
-#include "scene/readers/texture_file.h"
 #include "scene/readers/transfer.h"
 
 namespace umbrage::fuzz {
@@ -249,7 +249,7 @@ void read_as_info(std::string_view bytes) {
 
 void read_as_texture(std::string_view bytes) {
   const auto* start = reinterpret_cast<const std::uint8_t*>(bytes.data());
-  const Result<Texture> texture = decode_texture({start, bytes.size()}, "a texture");
+  const Result<Texture> texture = decode_texture_image({start, bytes.size()}, "a texture", {.footprint = 0.25f});
   if (!texture) return check(texture.error());
   check_equal(texture->rgba.size(), std::size_t(texture->width) * std::size_t(texture->height) * 4, "texels");
 }
