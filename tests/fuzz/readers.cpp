@@ -34,6 +34,7 @@
 #include "scene/readers/obj.h"
 #include "scene/readers/obj_text.h"
 #include "scene/readers/text_rules.h"
+#include "scene/readers/texture_file.h"
 #include "scene/readers/transfer.h"
 
 namespace umbrage::fuzz {
