@@ -39,7 +39,8 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames);
 Result<void> set_line_parameters(const RenderOptions& o, const Recipe& recipe, LineFile& lines);
 
 /// Turns off anti-aliasing and occlusion, on which lines do not depend, when only lines are written. Occlusion stays on
-/// if its radius is given, since the hint about the radius needs it, for hatching, which draws it, and for tones of fills.
+/// if its radius is given, since the hint about the radius needs it, for hatching, which draws it, and for tones of
+/// fills.
 void disable_unused_effects(const LineFile& lines, Request& request);
 
 /// Returns the planes of a frame that fills need.
