@@ -101,15 +101,13 @@ void remove_slivers(Labels& labels, const std::vector<Region>& regions) {
 
 /// Labels the pixels. Sets `regions`.
 Labels labels_of(const Image& picture, FillBy by, std::vector<Region>& regions) {
-  const auto color_at = [&](int x, int y) {
-    return glm::vec3(picture.plane("color.r").at(x, y), picture.plane("color.g").at(x, y),
-                     picture.plane("color.b").at(x, y));
-  };
+  const Plane &r = picture.plane("color.r"), &g = picture.plane("color.g"), &b = picture.plane("color.b");
   const Plane& ids = picture.plane("object_id");
   const auto each_pixel = [&](const auto& visit) {
     for (int y = 0; y < picture.height; ++y)
       for (int x = 0; x < picture.width; ++x)
-        if (const int object = int(ids.at(x, y)); object >= 0) visit(x, y, object, color_at(x, y));
+        if (const int object = int(ids.at(x, y)); object >= 0)
+          visit(x, y, object, glm::vec3(r.at(x, y), g.at(x, y), b.at(x, y)));
   };
   std::map<int, std::map<int, Bin>> histograms;  // by object and colour
   each_pixel([&](int, int, int object, const glm::vec3& color) {

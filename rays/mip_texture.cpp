@@ -138,19 +138,19 @@ float log2_of(float x) {
 std::uint8_t srgb_byte_of(float v) {
   constexpr int kSteps = 4096;  // a byte spans at least one of them
   struct Bytes {
-    std::array<float, 257> least{};  // value of each byte
+    std::array<float, 257> min_value{};  // of each byte
     std::array<std::uint8_t, kSteps + 1> first{};
     Bytes() {
       for (std::size_t byte = 0; byte < 256; ++byte)
-        least[byte] = byte > 0 ? linear_from_srgb((float(byte) - 0.5f) / 255.0f) : 0.0f;
-      least[256] = std::numeric_limits<float>::infinity();
+        min_value[byte] = byte > 0 ? linear_from_srgb((float(byte) - 0.5f) / 255.0f) : 0.0f;
+      min_value[256] = std::numeric_limits<float>::infinity();
       for (std::size_t k = 0; k < first.size(); ++k)
         first[k] = byte_of(srgb_from_linear(float(k) * (1.0f / float(kSteps))));
     }
   };
   static const Bytes bytes;
   std::size_t byte = bytes.first[std::size_t(std::clamp(v, 0.0f, 1.0f) * float(kSteps))];
-  while (v >= bytes.least[byte + 1]) ++byte;
+  while (v >= bytes.min_value[byte + 1]) ++byte;
   return std::uint8_t(byte);
 }
 

@@ -120,10 +120,11 @@ class ExactLines {
   }
 
  private:
-  /// A point in the picture. `nearness` is an affine function of the position on each plane; 1 is about a pixel.
+  /// A point in the picture. `inverse_depth`, in parallel views the negative depth, is an affine function of the
+  /// position on each plane; 1 is about a pixel.
   struct Seen {
     glm::dvec2 at;
-    double nearness;
+    double inverse_depth;
   };
   struct Face {
     std::array<Seen, 3> corners;
@@ -192,7 +193,7 @@ class ExactLines {
     };
     const auto& corner = face.corners;
     const double sign = face.area > 0.0 ? -1.0 : 1.0;
-    std::array<double, 2> nearness = {0.0, 0.0};
+    std::array<double, 2> inverse_depth = {0.0, 0.0};
     for (std::size_t i = 0; i < 3; ++i) {
       const glm::dvec2 base = corner[(i + 1) % 3].at, side = corner[(i + 2) % 3].at - base;
       const auto twice = [&](const glm::dvec2& p) {
@@ -201,9 +202,10 @@ class ExactLines {
       const std::array<double, 2> of_ends = {twice(edge.from.at), twice(edge.to.at)};
       const double margin = kOnBorder * glm::length(side);
       limit(of_ends[0] + margin, of_ends[1] + margin);
-      for (std::size_t k = 0; k < 2; ++k) nearness[k] += corner[i].nearness * of_ends[k] / std::abs(face.area);
+      for (std::size_t k = 0; k < 2; ++k)
+        inverse_depth[k] += corner[i].inverse_depth * of_ends[k] / std::abs(face.area);
     }
-    limit(nearness[0] - edge.from.nearness - kBehind, nearness[1] - edge.to.nearness - kBehind);
+    limit(inverse_depth[0] - edge.from.inverse_depth - kBehind, inverse_depth[1] - edge.to.inverse_depth - kBehind);
     return {low, high};
   }
 
