@@ -374,8 +374,7 @@ Result<Scene> import_in_process(const fs::path& file, const ImportSettings& sett
                           : format == "pdb" || format == "ent" ? read_pdb(file, settings.field)
                           : is_vtk                             ? read_vtk(file, settings.field)
                                                                : import_by_assimp(file, format, process_ends);
-    // complete_import uses several threads for points. The memory limits of this process leave no room for them.
-    if (process_ends && scene && scene->point_count() > 0) return scene;
+    if (process_ends) return scene;
     return complete_import(std::move(scene), file, settings);
   } catch (const std::bad_alloc&) {
     return too_large_to_read(file);

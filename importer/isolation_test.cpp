@@ -12,6 +12,7 @@
 #include "importer/importer.h"
 #include "run_program.h"
 #include "scene/readers/import_in_child_process.h"
+#include "scene/readers/import_parts.h"
 #include "scene/readers/transfer.h"
 
 namespace umbrage::test {
@@ -174,6 +175,25 @@ Scene small_scene() {
   return scene;
 }
 
+/// Expects that all indices and lists of a scene fit, unless it is an error.
+void expect_consistent(const Result<Scene>& scene) {
+  if (!scene) return;
+  for (const Material& material : scene->materials)
+    for (const int texture :
+         {material.texture, material.emission_texture, material.surface_texture, material.normal_texture})
+      EXPECT_TRUE(texture == kNoTexture || std::size_t(texture) < scene->textures.size());
+  for (const Mesh& mesh : scene->meshes) {
+    EXPECT_LT(std::size_t(mesh.material), scene->materials.size());
+    EXPECT_EQ(mesh.indices.size() % 3, 0u);
+    for (const std::size_t size :
+         {mesh.normals.size(), mesh.uvs.size(), mesh.colors.size(), mesh.radii.size(), mesh.bends.size()})
+      EXPECT_TRUE(size == 0 || size == mesh.positions.size());
+    for (const Field& field : mesh.fields)
+      EXPECT_EQ(field.values.size(), mesh.positions.size() * std::size_t(field.components));
+    for (const std::uint32_t index : mesh.indices) EXPECT_LT(index, mesh.positions.size());
+  }
+}
+
 TEST(Transfer, KeepsEveryField) {
   // Data that is written, read and written again is bitwise identical.
   Memory first, second;
@@ -201,29 +221,32 @@ TEST(Transfer, RejectsIncompleteOrInconsistentData) {
     changed.fill(bytes.substr(0, size));
     EXPECT_FALSE(receive_import(changed.file)) << size << " of " << bytes.size();
   }
-  // Change any byte: the data must be rejected or still be consistent.
+  // Change any byte: the data must be rejected or be consistent once it is complete.
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     std::string other = bytes;
     other[i] = char(other[i] ^ 0xff);
     changed.fill(other);
-    const auto read = receive_import(changed.file);
-    if (!read || !*read) continue;
-    for (const Mesh& mesh : (*read)->meshes)
-      for (const std::uint32_t index : mesh.indices) EXPECT_LT(index, mesh.positions.size()) << i;
+    auto read = receive_import(changed.file);
+    if (read) expect_consistent(complete_import(std::move(*read), "a.glb", {}));
   }
-  const auto is_rejected_after = [&](auto change) {
+  const auto completed_after = [&](auto change) {
     Scene scene = small_scene();
     change(scene);
     Memory file;
     EXPECT_TRUE(send_import(file.file, scene));
-    return !receive_import(file.file);
+    auto read = receive_import(file.file);
+    if (!read) return Result<Scene>(usage_error("rejected"));
+    Result<Scene> completed = complete_import(std::move(*read), "a.glb", {});
+    expect_consistent(completed);
+    return completed;
   };
-  EXPECT_FALSE(is_rejected_after([](Scene&) {}));
-  EXPECT_TRUE(is_rejected_after([](Scene& s) { s.meshes[0].indices[1] = 3; }));
-  EXPECT_TRUE(is_rejected_after([](Scene& s) { s.meshes[0].normals.pop_back(); }));
-  EXPECT_TRUE(is_rejected_after([](Scene& s) { s.meshes[0].material = 1; }));
-  EXPECT_TRUE(is_rejected_after([](Scene& s) { s.materials[0].texture = 1; }));
-  EXPECT_TRUE(is_rejected_after([](Scene& s) { s.textures[0].width = 1000; }));
+  EXPECT_TRUE(completed_after([](Scene&) {}));
+  EXPECT_FALSE(completed_after([](Scene& s) { s.textures[0].width = 1000; }));
+  EXPECT_FALSE(completed_after([](Scene& s) { s.meshes[0].indices[1] = 3; })) << "no triangle is left";
+  EXPECT_EQ(completed_after([](Scene& s) { s.meshes[0].normals.pop_back(); })->meshes.at(0).normals.size(), 3u);
+  EXPECT_EQ(completed_after([](Scene& s) { s.meshes[0].uvs.resize(1); })->meshes.at(0).uvs.size(), 0u);
+  EXPECT_EQ(completed_after([](Scene& s) { s.meshes[0].material = 1; })->meshes.at(0).material, 0);
+  EXPECT_EQ(completed_after([](Scene& s) { s.materials[0].texture = 1; })->materials.at(0).texture, kNoTexture);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // Faces of different meshes in one plane: where they overlap, rounding would decide at each pixel which is in front.
-// Triangles are sorted by their plane, rounded; overlaps within a plane are found by a sweep over boxes.
+// Triangles within the box of another mesh are sorted by their plane, rounded; overlaps within a plane are found by a
+// sweep over boxes.
 #include "scene/finish.h"
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <glm/vec4.hpp>
 #include <glm/vector_relational.hpp>
 #include <map>
+#include <numeric>
 #include <set>
 #include <unordered_map>
 
@@ -29,8 +31,8 @@ constexpr double kStep = 1e-5;  // more than kSamePlane, and far above the round
 /// Cells into which planes are rounded. The noise of the normal of a triangle of a hundredth of the radius is smaller.
 constexpr double kNormalCell = 2e-3, kDistanceCell = 2e-4;
 
-/// Max numbers of pairs of boxes that are tested and of pairs of meshes that overlap, per triangle of a plane. Above
-/// them, all faces of later meshes move; for a stack of meshes that is the same.
+/// Max numbers of pairs of boxes that are tested, per box, and of pairs of meshes that overlap, per triangle of a
+/// plane. Above them, all faces of later meshes move; for a stack of meshes that is the same.
 constexpr std::size_t kMaxBoxTests = 256, kMaxMeshPairs = 16;
 constexpr float kDown = 0.01f;  // of the component of a normal along up; less is rounding
 constexpr int kMaxLevel = 100;  // steps by which faces on top of each other are moved
@@ -53,6 +55,10 @@ glm::vec3 facing_normal(const Mesh& mesh, Index face) {
       face_of(mesh.positions[corner[0]], mesh.positions[corner[1]], mesh.positions[corner[2]]).normal;
   const glm::vec3 stored = mesh.normals[corner[0]] + mesh.normals[corner[1]] + mesh.normals[corner[2]];
   return glm::dot(normal, stored) < 0.0f ? -normal : normal;
+}
+
+bool overlaps(const SceneBox& a, const SceneBox& b) {
+  return glm::all(glm::lessThanEqual(a.low, b.high)) && glm::all(glm::lessThanEqual(b.low, a.high));
 }
 
 std::uint64_t id_of(const Triangle& t) { return std::uint64_t(t.mesh) << 32 | t.face; }
@@ -104,43 +110,84 @@ std::uint64_t cell_of(const glm::vec4& plane, float shift) {
   return hash;
 }
 
-/// The planes of all triangles.
-struct Planes {
-  std::vector<glm::vec4> planes;
-  std::vector<Index> first;  ///< index of each mesh's first plane
+/// Returns the box of each mesh in world space, grown by `margin`; an empty one for points.
+std::vector<SceneBox> boxes_of_meshes(const Scene& scene, float margin) {
+  std::vector<SceneBox> boxes(scene.meshes.size());
+  for (std::size_t m = 0; m < boxes.size(); ++m) {
+    if (scene.meshes[m].points) continue;
+    SceneBox& box = boxes[m];
+    for (const glm::vec3& p : scene.meshes[m].positions) box = {glm::min(box.low, p), glm::max(box.high, p)};
+    box = {box.low - margin, box.high + margin};
+  }
+  return boxes;
+}
+
+/// Returns for each mesh the other meshes whose boxes overlap its box; nothing if there are too many boxes to test.
+std::vector<std::vector<Index>> neighbors_of(const std::vector<SceneBox>& boxes) {
+  std::vector<Index> order(boxes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) { return boxes[a].low.x < boxes[b].low.x; });
+  std::vector<std::vector<Index>> neighbors(boxes.size());
+  std::size_t tests = 0;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t j = i + 1; j < order.size() && boxes[order[j]].low.x <= boxes[order[i]].high.x; ++j) {
+      if (++tests > kMaxBoxTests * boxes.size()) return {};
+      if (!overlaps(boxes[order[i]], boxes[order[j]])) continue;
+      neighbors[order[i]].push_back(order[j]);
+      neighbors[order[j]].push_back(order[i]);
+    }
+  return neighbors;
+}
+
+/// A triangle that may overlap one of another mesh, and its plane.
+struct Candidate {
+  Index mesh, face;
+  glm::vec4 plane;
 };
 
-Planes planes_of(const Scene& scene, const Triangles& triangles, Poll* poll) {
-  Planes result;
-  result.planes.reserve(scene.triangle_count());
-  for (Index m = 0; m < scene.meshes.size(); ++m) {
-    result.first.push_back(Index(result.planes.size()));
-    const std::size_t count = scene.meshes[m].indices.size() / 3;
-    for (Index face = 0; face < count && !stops(poll, face, count); ++face)
-      result.planes.push_back(triangles.plane(m, face));
+/// Returns the triangles whose box overlaps the box of another mesh, sorted by mesh and face.
+std::vector<Candidate> candidates_of(const Scene& scene, const Triangles& triangles, Poll* poll) {
+  constexpr std::size_t kMaxNeighbors = 64;  // among more, a search would take longer than what it saves
+  const std::vector<SceneBox> boxes = boxes_of_meshes(scene, float(kSamePlane) * scene.radius());
+  const std::vector<std::vector<Index>> neighbors = neighbors_of(boxes);
+  std::vector<std::vector<Candidate>> of_mesh(scene.meshes.size());
+  for_each_index(scene.meshes.size(), poll, [&](std::size_t m, Poll* own) {
+    const Mesh& mesh = scene.meshes[m];
+    const bool tests_faces = !neighbors.empty() && neighbors[m].size() <= kMaxNeighbors;
+    if (mesh.points || (tests_faces && neighbors[m].empty())) return;
+    const std::size_t count = mesh.indices.size() / 3;
+    for (Index face = 0; face < count && !stops(own, face, count); ++face) {
+      const auto at = [&](int k) { return mesh.positions[mesh.indices[3 * std::size_t(face) + k]]; };
+      const SceneBox box{glm::min(glm::min(at(0), at(1)), at(2)), glm::max(glm::max(at(0), at(1)), at(2))};
+      const auto meets = [&](Index n) { return overlaps(box, boxes[n]); };
+      if (!tests_faces || std::any_of(neighbors[m].begin(), neighbors[m].end(), meets))
+        of_mesh[m].push_back({Index(m), face, triangles.plane(Index(m), face)});
+    }
+  });
+  std::vector<Candidate> result;
+  for (std::vector<Candidate>& some : of_mesh) {
+    result.insert(result.end(), some.begin(), some.end());
+    some = {};
   }
-  result.first.push_back(Index(result.planes.size()));
   return result;
 }
 
 /// Returns the triangles in whose cell there are also triangles of another mesh, sorted by cell; also others, whose
 /// cells share a place in a table.
-std::vector<Triangle> shared_planes(const Planes& all, float shift) {
+std::vector<Triangle> shared_planes(const std::vector<Candidate>& all, float shift) {
   constexpr Index kSeveral = kNoIndex32 - 1;
   constexpr std::size_t kPlaces = 4;  // per triangle, so that cells rarely share one
-  std::vector<Index> owner(std::bit_ceil(kPlaces * all.planes.size() + 16), kNoIndex32);
+  std::vector<Index> owner(std::bit_ceil(kPlaces * all.size() + 16), kNoIndex32);
   const auto place_of = [&](std::uint64_t cell) { return cell & (owner.size() - 1); };
-  for (Index m = 0; m + 1 < all.first.size(); ++m)
-    for (Index i = all.first[m]; i < all.first[m + 1]; ++i) {
-      Index& place = owner[place_of(cell_of(all.planes[i], shift))];
-      place = place == kNoIndex32 || place == m ? m : kSeveral;
-    }
+  for (const Candidate& c : all) {
+    Index& place = owner[place_of(cell_of(c.plane, shift))];
+    place = place == kNoIndex32 || place == c.mesh ? c.mesh : kSeveral;
+  }
   std::vector<Triangle> result;
-  for (Index m = 0; m + 1 < all.first.size(); ++m)
-    for (Index i = all.first[m]; i < all.first[m + 1]; ++i) {
-      const std::uint64_t cell = cell_of(all.planes[i], shift);
-      if (owner[place_of(cell)] == kSeveral) result.push_back({m, i - all.first[m], cell});
-    }
+  for (const Candidate& c : all) {
+    const std::uint64_t cell = cell_of(c.plane, shift);
+    if (owner[place_of(cell)] == kSeveral) result.push_back({c.mesh, c.face, cell});
+  }
   std::sort(result.begin(), result.end(), [](const Triangle& a, const Triangle& b) {
     return a.cell != b.cell ? a.cell < b.cell : id_of(a) < id_of(b);
   });
@@ -158,7 +205,7 @@ bool overlap(const Corners& a, const Corners& b) {
   for (const Corners* of : {&a, &b})
     for (int k = 0; k < 3; ++k) {
       // Triangles are apart if one of their edges separates them.
-      const glm::dvec3 axis = glm::normalize(glm::cross(n, of->at[(k + 1) % 3] - of->at[k]));
+      const glm::dvec3 axis = glm::cross(n, of->at[(k + 1) % 3] - of->at[k]);
       double low[2], high[2];
       for (int i = 0; i < 2; ++i) {
         const Corners& c = i == 0 ? a : b;
@@ -166,7 +213,8 @@ bool overlap(const Corners& a, const Corners& b) {
         low[i] = std::min({x, y, z});
         high[i] = std::max({x, y, z});
       }
-      if (std::min(high[0], high[1]) - std::max(low[0], low[1]) <= 2.0 * kSamePlane) return false;
+      const double width = std::min(high[0], high[1]) - std::max(low[0], low[1]);
+      if (width <= 0.0 || width * width <= 4.0 * kSamePlane * kSamePlane * glm::dot(axis, axis)) return false;
     }
   return true;
 }
@@ -178,59 +226,115 @@ struct Boxed {
   bool is_above = false;  ///< overlaps a face of an earlier mesh
 };
 
-/// Returns triangles with their boxes, sorted along the axis in which they extend furthest: boxes are short against it.
-std::vector<Boxed> boxes_of(const Triangles& triangles, std::span<const Triangle> plane, int& axis) {
+std::vector<Boxed> boxes_of(const Triangles& triangles, std::span<const Triangle> plane) {
   std::vector<Boxed> boxes;
   boxes.reserve(plane.size());
-  glm::dvec3 low(1e9), high(-1e9);
   for (const Triangle& t : plane) {
     const Corners c = triangles.corners(t.mesh, t.face);
     boxes.push_back(
         {t, c, glm::min(glm::min(c.at[0], c.at[1]), c.at[2]), glm::max(glm::max(c.at[0], c.at[1]), c.at[2])});
-    low = glm::min(low, boxes.back().low);
-    high = glm::max(high, boxes.back().high);
   }
-  const glm::dvec3 size = high - low;
-  axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  std::sort(boxes.begin(), boxes.end(), [&](const Boxed& a, const Boxed& b) {
-    return a.low[axis] != b.low[axis] ? a.low[axis] < b.low[axis] : id_of(a.triangle) < id_of(b.triangle);
-  });
   return boxes;
 }
+
+/// A bounding volume hierarchy over boxes, which is split at medians.
+class BoxTree {
+ public:
+  explicit BoxTree(const std::vector<Boxed>& boxes) : boxes_(boxes), order_(boxes.size()) {
+    std::iota(order_.begin(), order_.end(), 0);
+    add_node(0, Index(boxes.size()));
+  }
+
+  /// Calls `visit` with the index of each box of an earlier mesh that overlaps a box, until it returns false.
+  template <typename Visit>
+  void find_earlier(const Boxed& box, const Visit& visit) const {
+    std::vector<Index> stack{0};
+    while (!stack.empty()) {
+      const Node& node = nodes_[stack.back()];
+      stack.pop_back();
+      if (node.min_mesh >= box.triangle.mesh || !meets(box, node.low, node.high)) continue;
+      if (node.right != 0) {
+        stack.push_back(node.right);
+        stack.push_back(Index(&node - nodes_.data()) + 1);
+        continue;
+      }
+      for (Index i = node.first; i < node.last; ++i) {
+        const Boxed& other = boxes_[order_[i]];
+        if (other.triangle.mesh < box.triangle.mesh && meets(box, other.low, other.high) && !visit(order_[i])) return;
+      }
+    }
+  }
+
+ private:
+  struct Node {
+    glm::dvec3 low{1e9}, high{-1e9};
+    Index min_mesh = kNoIndex32, first = 0, last = 0,
+          right = 0;  ///< the left child follows its parent; a leaf has none
+  };
+
+  static bool meets(const Boxed& box, const glm::dvec3& low, const glm::dvec3& high) {
+    return glm::all(glm::lessThanEqual(box.low, high + kSamePlane)) &&
+           glm::all(glm::lessThanEqual(low, box.high + kSamePlane));
+  }
+
+  Index add_node(Index first, Index last) {
+    constexpr Index kMaxInLeaf = 8;
+    Node node{.first = first, .last = last};
+    for (Index i = first; i < last; ++i) {
+      const Boxed& box = boxes_[order_[i]];
+      node.low = glm::min(node.low, box.low);
+      node.high = glm::max(node.high, box.high);
+      node.min_mesh = std::min(node.min_mesh, box.triangle.mesh);
+    }
+    const auto index = Index(nodes_.size());
+    nodes_.push_back(node);
+    if (last - first <= kMaxInLeaf) return index;
+    const glm::dvec3 size = node.high - node.low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const Index middle = first + (last - first) / 2;
+    const auto center = [&](Index i) { return boxes_[i].low[axis] + boxes_[i].high[axis]; };
+    std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
+                     [&](Index a, Index b) { return center(a) < center(b); });
+    add_node(first, middle);
+    nodes_[index].right = add_node(middle, last);
+    return index;
+  }
+
+  const std::vector<Boxed>& boxes_;
+  std::vector<Index> order_;
+  std::vector<Node> nodes_;
+};
 
 /// Meshes of which a face of the second overlaps one of the first, which is earlier.
 using MeshPairs = std::set<std::pair<Index, Index>>;
 
 /// Finds overlaps among triangles of one cell. Returns false if there are too many to test. Stops if the poll ends.
-bool find_overlaps(std::vector<Boxed>& boxes, int axis, Poll* poll, MeshPairs& pairs) {
+bool find_overlaps(std::vector<Boxed>& boxes, Poll* poll, MeshPairs& pairs) {
   constexpr std::size_t kTestsPerPoll = 4096;
+  const BoxTree tree(boxes);
   std::size_t tests = 0;
-  for (std::size_t i = 0; i < boxes.size(); ++i)
-    for (std::size_t j = i + 1; j < boxes.size() && boxes[j].low[axis] < boxes[i].high[axis]; ++j) {
-      if (++tests > kMaxBoxTests * boxes.size() || pairs.size() > kMaxMeshPairs * boxes.size()) return false;
-      if (poll && tests % kTestsPerPoll == 0 && poll->passing(0.0)) return true;
-      Boxed &a = boxes[i], &b = boxes[j];
-      if (a.triangle.mesh == b.triangle.mesh) continue;
-      Boxed &below = a.triangle.mesh < b.triangle.mesh ? a : b, &above = &below == &a ? b : a;
-      if (glm::any(glm::greaterThan(a.low, b.high + kSamePlane)) ||
-          glm::any(glm::greaterThan(b.low, a.high + kSamePlane)))
-        continue;
-      const std::pair<Index, Index> meshes(below.triangle.mesh, above.triangle.mesh);
-      if (above.is_above && pairs.contains(meshes)) continue;
-      if (!overlap(a.corners, b.corners)) continue;
+  bool is_complete = true;
+  for (std::size_t i = boxes.size(); i-- > 0 && is_complete;) {  // the last mesh of a stack overlaps most
+    Boxed& above = boxes[i];
+    tree.find_earlier(above, [&](Index j) {
+      is_complete = ++tests <= kMaxBoxTests * boxes.size() && pairs.size() <= kMaxMeshPairs * boxes.size();
+      if (!is_complete || (poll && tests % kTestsPerPoll == 0 && poll->passing(0.0))) return false;
+      const std::pair<Index, Index> meshes(boxes[j].triangle.mesh, above.triangle.mesh);
+      if ((above.is_above && pairs.contains(meshes)) || !overlap(boxes[j].corners, above.corners)) return true;
       above.is_above = true;
       pairs.insert(meshes);
-    }
-  return true;
+      return true;
+    });
+  }
+  return is_complete;
 }
 
-/// Adds the faces of one cell that are to be moved.
-void raise_faces(const Scene& scene, const Triangles& triangles, std::span<const Triangle> plane, Poll* poll,
-                 std::vector<RaisedFace>& raised) {
-  int axis = 0;
-  std::vector<Boxed> boxes = boxes_of(triangles, plane, axis);
+/// Returns the faces of one cell that are to be moved.
+std::vector<RaisedFace> raised_faces(const Scene& scene, const Triangles& triangles, std::span<const Triangle> plane,
+                                     Poll* poll) {
+  std::vector<Boxed> boxes = boxes_of(triangles, plane);
   MeshPairs pairs;
-  if (!find_overlaps(boxes, axis, poll, pairs)) {
+  if (!find_overlaps(boxes, poll, pairs)) {
     pairs.clear();
     std::set<Index> meshes;
     for (Boxed& box : boxes) meshes.insert(box.triangle.mesh);
@@ -243,8 +347,10 @@ void raise_faces(const Scene& scene, const Triangles& triangles, std::span<const
   const auto earliest = std::min_element(plane.begin(), plane.end(),
                                          [](const Triangle& a, const Triangle& b) { return a.mesh < b.mesh; });
   const glm::vec3 side = facing_normal(scene.meshes[earliest->mesh], earliest->face);
+  std::vector<RaisedFace> raised;
   for (const Boxed& box : boxes)
     if (box.is_above) raised.push_back({box.triangle, level_of[box.triangle.mesh], side});
+  return raised;
 }
 
 /// The movement of a point of a mesh along the normal of one of its faces.
@@ -304,17 +410,22 @@ std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
   std::vector<RaisedFace> raised;
   {
     const Triangles triangles(scene);
-    const Planes planes = planes_of(scene, triangles, poll);
+    const std::vector<Candidate> candidates = candidates_of(scene, triangles, poll);
     if (poll && poll->ended()) return 0;
     for (const float shift : {0.0f, 0.5f}) {  // planes on both sides of a border of cells are together in the other
-      const std::vector<Triangle> shared = shared_planes(planes, shift);
+      const std::vector<Triangle> shared = shared_planes(candidates, shift);
+      std::vector<std::span<const Triangle>> planes;
       for (std::size_t first = 0, last = 0; first < shared.size(); first = last) {
         while (last < shared.size() && shared[last].cell == shared[first].cell) ++last;
-        if (shared[first].mesh == shared[last - 1].mesh) continue;
-        if (poll && poll->passing(0.0)) return 0;
-        raise_faces(scene, triangles, std::span(shared).subspan(first, last - first), poll, raised);
+        if (shared[first].mesh != shared[last - 1].mesh)
+          planes.push_back(std::span(shared).subspan(first, last - first));
       }
+      std::vector<std::vector<RaisedFace>> raised_in(planes.size());
+      for_each_index(planes.size(), poll,
+                     [&](std::size_t i, Poll* own) { raised_in[i] = raised_faces(scene, triangles, planes[i], own); });
+      for (const std::vector<RaisedFace>& some : raised_in) raised.insert(raised.end(), some.begin(), some.end());
     }
+    if (poll && poll->ended()) return 0;
   }
   raised = unique_faces(std::move(raised));
   const float step = float(kStep) * scene.radius();

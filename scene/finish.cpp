@@ -1,9 +1,14 @@
 // The last step of building a scene: removal of unusable triangles, normals, bounds.
 #include "scene/finish.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
+#include <thread>
 
 #include "core/lists.h"
 #include "scene/fields.h"
@@ -121,6 +126,21 @@ bool repair_normals(Mesh& mesh) {
 
 }  // namespace
 
+void for_each_index(std::size_t count, Poll* poll, const std::function<void(std::size_t, Poll*)>& work) {
+  std::atomic<bool> ended = false;
+  const std::thread::id caller = std::this_thread::get_id();
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        Poll* own = std::this_thread::get_id() == caller ? poll : nullptr;
+        for (std::size_t i = range.begin(); i < range.end() && !ended.load(std::memory_order_relaxed); ++i) {
+          work(i, own);
+          if (own && own->passing(0.0)) ended = true;
+        }
+      },
+      tbb::simple_partitioner());
+}
+
 DamagedTriangles count_damaged(const Scene& scene) {
   DamagedTriangles count;
   for (const Mesh& mesh : scene.meshes) {
@@ -178,6 +198,33 @@ Strays set_bounds(Scene& scene, BoundsOf bounds) {
   return strays;
 }
 
+/// Cleans one mesh and creates its normals. Returns the number of dropped triangles or points.
+std::size_t finish_mesh(Mesh& mesh, int materials, std::optional<float> crease_angle_deg, Poll* poll) {
+  if (mesh.normals.size() != mesh.positions.size()) mesh.normals.clear();
+  if (mesh.uvs.size() != mesh.positions.size()) mesh.uvs.clear();
+  if (mesh.colors.size() != mesh.positions.size()) mesh.colors.clear();
+  if (mesh.radii.size() != mesh.positions.size()) mesh.radii.clear();
+  if (mesh.bends.size() != mesh.positions.size()) mesh.bends.clear();
+  if (mesh.smoothing.size() != mesh.indices.size() / 3) mesh.smoothing.clear();
+  drop_incomplete_fields(mesh);
+  for (glm::vec3& color : mesh.colors) {
+    for (int c = 0; c < 3; ++c) color[c] = color[c] >= 0.0f ? std::min(color[c], 1.0f) : 0.0f;
+  }
+  if (mesh.material < 0 || mesh.material >= materials) mesh.material = 0;
+  if (mesh.points) return clean_points(mesh);
+  const std::size_t dropped = clean_triangles(mesh);
+  if (poll && poll->passing(0.0)) return dropped;
+  if (mesh.indices.empty()) return dropped;
+  if (mesh.normals.empty() || !repair_normals(mesh)) make_normals(mesh, crease_angle_deg, poll);
+  if (poll && poll->ended()) return dropped;
+  mesh.smoothing = {};
+  spread_triangle_values(mesh);
+  for (glm::vec2& uv : mesh.uvs) {
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = glm::vec2(0.0f);
+  }
+  return dropped;
+}
+
 }  // namespace
 
 bool show_if_invisible(Scene& scene) {
@@ -189,7 +236,6 @@ bool show_if_invisible(Scene& scene) {
 
 std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg, const PointSettings& points, Poll* poll,
                          BoundsOf bounds) {
-  std::size_t dropped = 0;
   scene.shape_facts = std::make_shared<ShapeFacts>();
   if (scene.materials.empty()) scene.materials.emplace_back();
   for (Material& material : scene.materials) {
@@ -197,34 +243,12 @@ std::size_t finish_scene(Scene& scene, std::optional<float> crease_angle_deg, co
       if (*texture < 0 || *texture >= int(scene.textures.size())) *texture = kNoTexture;
     }
   }
-  for (Mesh& mesh : scene.meshes) {
-    if (poll && poll->passing(0.0)) return dropped;
-    if (mesh.normals.size() != mesh.positions.size()) mesh.normals.clear();
-    if (mesh.uvs.size() != mesh.positions.size()) mesh.uvs.clear();
-    if (mesh.colors.size() != mesh.positions.size()) mesh.colors.clear();
-    if (mesh.radii.size() != mesh.positions.size()) mesh.radii.clear();
-    if (mesh.bends.size() != mesh.positions.size()) mesh.bends.clear();
-    if (mesh.smoothing.size() != mesh.indices.size() / 3) mesh.smoothing.clear();
-    drop_incomplete_fields(mesh);
-    for (glm::vec3& color : mesh.colors) {
-      for (int c = 0; c < 3; ++c) color[c] = color[c] >= 0.0f ? std::min(color[c], 1.0f) : 0.0f;
-    }
-    if (mesh.material < 0 || mesh.material >= int(scene.materials.size())) mesh.material = 0;
-    if (mesh.points) {
-      dropped += clean_points(mesh);
-      continue;
-    }
-    dropped += clean_triangles(mesh);
-    if (poll && poll->passing(0.0)) return dropped;
-    if (mesh.indices.empty()) continue;
-    if (mesh.normals.empty() || !repair_normals(mesh)) make_normals(mesh, crease_angle_deg, poll);
-    if (poll && poll->ended()) return dropped;
-    mesh.smoothing = {};
-    spread_triangle_values(mesh);
-    for (glm::vec2& uv : mesh.uvs) {
-      if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = glm::vec2(0.0f);
-    }
-  }
+  std::vector<std::size_t> dropped_of(scene.meshes.size());
+  for_each_index(scene.meshes.size(), poll, [&](std::size_t m, Poll* own) {
+    dropped_of[m] = finish_mesh(scene.meshes[m], int(scene.materials.size()), crease_angle_deg, own);
+  });
+  if (poll && poll->ended()) return 0;
+  const std::size_t dropped = std::accumulate(dropped_of.begin(), dropped_of.end(), std::size_t(0));
   std::erase_if(scene.meshes,
                 [](const Mesh& mesh) { return mesh.points ? mesh.positions.empty() : mesh.indices.empty(); });
   const Strays strays = set_bounds(scene, bounds);

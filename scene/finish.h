@@ -1,5 +1,6 @@
 // The last step of building a scene: normals, removal of unusable triangles and points, bounds, faces in one plane.
 #pragma once
+#include <functional>
 #include <glm/mat4x4.hpp>
 #include <limits>
 #include <optional>
@@ -15,6 +16,10 @@ namespace umbrage {
 inline constexpr float kMaxCoordinate = 1e15f;
 /// Normals that are shorter count as missing.
 inline constexpr float kMinNormalLength = 1e-12f;
+
+/// Calls `work` for each index below `count`, on several threads; with the poll on the calling thread, else with null.
+/// Leaves out the rest once the poll has ended.
+void for_each_index(std::size_t count, Poll* poll, const std::function<void(std::size_t, Poll*)>& work);
 
 /// What Scene::bounds_min and bounds_max contain.
 enum class BoundsOf { kAll, kAllButStrays };

@@ -166,6 +166,22 @@ TEST(CoplanarFaces, AreMovedApartInLimitedTime) {
   EXPECT_GT(heights(scene, kCount - 1).x, 9e-4f) << "the max level";
 }
 
+TEST(CoplanarFaces, OfAnArrayOnOnePlateMoveByOneStep) {
+  // All parts are in one plane, but only the plate overlaps them.
+  constexpr int kColumns = 10, kRows = 300;
+  std::vector<Mesh> meshes{rectangle({-100, -100}, {100, 100}, 0, 1)};
+  for (int i = 0; i < kColumns * kRows; ++i) {
+    const glm::vec2 low(-90 + 18 * (i % kColumns), -90.0f + 0.6f * float(i / kColumns));
+    meshes.push_back(rectangle(low, low + glm::vec2(15, 0.5f), 0, 1));
+  }
+  Scene scene = scene_of(std::move(meshes));
+  EXPECT_EQ(separate_coplanar_faces(scene), 2u * kColumns * kRows);
+  for (std::size_t m = 1; m <= std::size_t(kColumns * kRows); ++m) {
+    EXPECT_GT(heights(scene, m).x, 0.8e-5f) << m;
+    EXPECT_LT(heights(scene, m).y, 1.2e-5f) << m;
+  }
+}
+
 TEST(CoplanarFaces, StayWhereTheyAreOnceThePollEnds) {
   Scene scene = stacked(100);
   const glm::vec3 before = scene.meshes[99].positions[0];

@@ -209,7 +209,7 @@ Result<Scene> import_cad(const fs::path& file, const ImportSettings& settings) {
       return file_error("'{}' has no surfaces that can be drawn{}", file.string(),
                         warnings.empty() ? "" : fmt::format(" ({})", warnings[0]));
     scene.warnings.insert(scene.warnings.begin(), warnings.begin(), warnings.end());
-    return complete_import(std::move(scene), file, settings);
+    return scene;
   } catch (const Standard_OutOfMemory&) {
     return too_large_to_read(file);
   } catch (const Standard_Failure& e) {

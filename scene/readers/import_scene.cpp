@@ -250,10 +250,9 @@ Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings,
     poll.part(0.0, kRead);
     if (poll.ended()) return interrupted();
     auto own = import_own(file, format, settings.field, &poll);
-    const bool apart = !own;
-    auto scene = apart ? import_in_child_process(file, settings, &poll) : std::move(*own);
+    auto scene = !own ? import_in_child_process(file, settings, &poll) : std::move(*own);
     poll.part(kRead, 1.0);
-    if (!apart || !scene || scene->point_count() > 0) scene = complete_import(std::move(scene), file, settings, &poll);
+    scene = complete_import(std::move(scene), file, settings, &poll);
     if (scene && poll.ask(1.0)) return interrupted();
     if (!scene || scene->motion.empty() || !(settings.animation_time > 0.0f)) return scene;
     ImportSettings at_start = settings;

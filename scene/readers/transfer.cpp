@@ -206,32 +206,12 @@ struct Reader {
   }
 };
 
-/// Returns whether all indices in the scene are in range and all list sizes match.
+/// Returns whether the textures have all their pixels. What else is inconsistent, complete_import repairs.
 bool is_consistent(const Scene& scene) {
-  for (const Texture& texture : scene.textures) {
-    if (texture.width < 1 || texture.height < 1) return false;
-    if (texture.rgba.size() != std::size_t(texture.width) * std::size_t(texture.height) * 4) return false;
-  }
-  for (const Material& material : scene.materials)
-    for (const int texture :
-         {material.texture, material.emission_texture, material.surface_texture, material.normal_texture})
-      if (texture != kNoTexture && std::size_t(texture) >= scene.textures.size()) return false;
-  for (const Mesh& mesh : scene.meshes) {
-    if (std::size_t(mesh.material) >= scene.materials.size() || mesh.indices.size() % 3 != 0) return false;
-    for (const std::size_t size :
-         {mesh.normals.size(), mesh.uvs.size(), mesh.colors.size(), mesh.radii.size(), mesh.bends.size()})
-      if (size != 0 && size != mesh.positions.size()) return false;
-    for (const Field& field : mesh.fields)
-      if (field.components < 1 ||
-          field.values.size() !=
-              (field.on_triangles ? mesh.indices.size() / 3 : mesh.positions.size()) * std::size_t(field.components))
-        return false;
-    if (!mesh.smoothing.empty() && mesh.smoothing.size() != mesh.indices.size() / 3) return false;
-    std::uint32_t max = 0;
-    for (const std::uint32_t index : mesh.indices) max = std::max(max, index);
-    if (!mesh.indices.empty() && max >= mesh.positions.size()) return false;
-  }
-  return true;
+  return std::all_of(scene.textures.begin(), scene.textures.end(), [](const Texture& texture) {
+    return texture.width >= 1 && texture.height >= 1 &&
+           texture.rgba.size() == std::size_t(texture.width) * std::size_t(texture.height) * 4;
+  });
 }
 
 bool is_consistent(const Panorama& panorama) {

@@ -29,6 +29,7 @@
 #include "scene/finish.h"
 #include "scene/readers/content.h"
 #include "scene/readers/gzip.h"
+#include "scene/readers/import_parts.h"
 #include "scene/readers/model_readers.h"
 #include "scene/readers/mtl.h"
 #include "scene/readers/obj.h"
@@ -310,9 +311,11 @@ void read_as_scene_name(std::string_view bytes) {
 
 void read_as_transfer(std::string_view bytes) {
   const MemoryFile file(bytes);
-  const auto received = receive_import(file.descriptor);
-  if (!received || !*received) return;
-  for (const Mesh& mesh : (*received)->meshes)
+  auto received = receive_import(file.descriptor);
+  if (!received) return;
+  const Result<Scene> scene = complete_import(std::move(*received), "a.glb", {});
+  if (!scene) return;
+  for (const Mesh& mesh : scene->meshes)
     for (const std::uint32_t index : mesh.indices) check_less(index, mesh.positions.size(), "index");
 }
 
