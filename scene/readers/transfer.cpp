@@ -5,15 +5,18 @@
 
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <span>
 #include <type_traits>
 
 #include "core/version.h"
+#include "system/machine.h"
 
 namespace umbrage {
 namespace {
@@ -159,6 +162,7 @@ struct Reader {
   const char* at;
   std::size_t remaining;
   bool failed = false;
+  std::vector<std::span<const std::uint8_t>> texels = {};  ///< of all textures, which receive no copies so far
 
   void bytes(void* to, std::size_t size) {
     failed = failed || size > remaining;
@@ -183,6 +187,14 @@ struct Reader {
     value = byte != 0;
   }
   void read(std::string& text) { read_list(text); }
+  void read(std::vector<std::uint8_t>&) {
+    std::uint64_t count = 0;
+    read(count);
+    failed = failed || count > remaining;
+    if (failed) return;
+    texels.emplace_back(reinterpret_cast<const std::uint8_t*>(at), count);
+    at += count, remaining -= count;
+  }
   template <class T>
   void read(std::vector<T>& list) {
     read_list(list);
@@ -193,11 +205,7 @@ struct Reader {
     read(count);
     failed = failed || count > remaining / (kPlain<Value> ? sizeof(Value) : 1);
     if (failed) return;
-    if constexpr (sizeof(Value) == 1) {
-      const auto* first = reinterpret_cast<const Value*>(at);
-      list.assign(first, first + count);  // unlike resize, writes each byte once
-      at += count, remaining -= count;
-    } else if constexpr (kPlain<Value>) {
+    if constexpr (kPlain<Value>) {
       list.resize(count);
       bytes(list.data(), count * sizeof(Value));
     } else {
@@ -205,6 +213,18 @@ struct Reader {
     }
   }
 };
+
+/// Copies texels, which are most bytes of many scenes, with all threads.
+void add_texels(const Reader& reader, Scene& scene) {
+  tbb::parallel_for(std::size_t(0), scene.textures.size(), [&](std::size_t k) {
+    const auto& from = reader.texels[k];
+    std::vector<std::uint8_t>& rgba = scene.textures[k].rgba;
+    rgba.reserve(from.size());
+    use_large_pages(rgba.data(), from.size());
+    rgba.assign(from.begin(), from.end());  // unlike resize, writes each byte once
+  });
+}
+void add_texels(const Reader&, Panorama&) {}
 
 /// Returns whether all indices in the scene are in range and all list sizes match.
 bool is_consistent(const Scene& scene) {
@@ -280,6 +300,7 @@ std::optional<Result<T>> receive(int file) {
   reader(end);
   if (reader.failed || end != kEnd) return std::nullopt;
   if (!has_value) return std::optional<Result<T>>(std::in_place, std::move(error));
+  add_texels(reader, value);
   if (!is_consistent(value)) return std::nullopt;
   return std::optional<Result<T>>(std::in_place, std::move(value));
 }
