@@ -16,7 +16,6 @@
 
 #include "core/byte_transfer.h"
 #include "scene/readers/texture_file.h"
-#include "system/machine.h"
 
 namespace umbrage {
 namespace {
@@ -32,9 +31,7 @@ class Rows {
       : block_(std::size_t(block)), transfer_(byte_transfer(linear)), texture_(texture) {
     texture.width = width / block;
     texture.height = height / block;
-    const std::size_t size = std::size_t(texture.width) * std::size_t(texture.height) * kRgba;
-    texture.rgba.reserve(size);
-    use_large_pages(texture.rgba.data(), size);
+    texture.rgba.reserve(std::size_t(texture.width) * std::size_t(texture.height) * kRgba);
     if (block == 1) return;
     row_.resize(std::size_t(width) * kRgba);
     sums_.resize(std::size_t(texture.width));

@@ -12,7 +12,6 @@
 
 #include "core/byte_transfer.h"
 #include "core/color.h"
-#include "system/machine.h"
 
 namespace umbrage {
 namespace {
@@ -188,7 +187,6 @@ MipLevel half_of(const MipLevel& level, bool linear, std::unique_ptr<std::uint8_
   const int width = std::max(level.width / 2, 1), height = std::max(level.height / 2, 1);
   const std::size_t size = std::size_t(width) * std::size_t(height) * 4, row_size = std::size_t(level.width) * 4;
   rgba = std::make_unique_for_overwrite<std::uint8_t[]>(size);
-  use_large_pages(rgba.get(), size);
   const auto end_of = [](int k, int half, int whole) { return k + 1 == half ? whole : 2 * k + 2; };
   tbb::parallel_for(tbb::blocked_range<int>(0, height, kRows), [&](const tbb::blocked_range<int>& rows) {
     for (int y = rows.begin(); y < rows.end(); ++y) {

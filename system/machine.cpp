@@ -2,11 +2,9 @@
 #include "system/machine.h"
 
 #include <malloc.h>
-#include <sys/mman.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -33,13 +31,6 @@ void release_free_memory() {
 #ifdef __GLIBC__
   ::malloc_trim(0);
 #endif
-}
-
-void use_large_pages(void* start, std::size_t size) {
-  constexpr std::uintptr_t kPage = 1 << 21;
-  const auto at = reinterpret_cast<std::uintptr_t>(start), begin = (at + kPage - 1) / kPage * kPage,
-             end = (at + size) / kPage * kPage;
-  if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 }
 
 Result<std::filesystem::path> temporary_folder() {

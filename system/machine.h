@@ -1,6 +1,5 @@
 // What the machine offers to programs: memory, and a folder for temporary files.
 #pragma once
-#include <cstddef>
 #include <filesystem>
 
 #include "core/result.h"
@@ -14,9 +13,6 @@ double available_memory();
 /// Returns to the system what was freed but is kept for later. It takes milliseconds, and so does the next use of such
 /// memory.
 void release_free_memory();
-
-/// Asks the system for large pages in memory that is about to be written, which then takes fewer page faults.
-void use_large_pages(void* start, std::size_t size);
 
 /// Returns the folder for temporary files: TMPDIR, or /tmp. Errors: kFile if it is not a folder.
 Result<std::filesystem::path> temporary_folder();

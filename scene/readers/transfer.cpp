@@ -16,7 +16,6 @@
 #include <type_traits>
 
 #include "core/version.h"
-#include "system/machine.h"
 
 namespace umbrage {
 namespace {
@@ -218,10 +217,7 @@ struct Reader {
 void add_texels(const Reader& reader, Scene& scene) {
   tbb::parallel_for(std::size_t(0), scene.textures.size(), [&](std::size_t k) {
     const auto& from = reader.texels[k];
-    std::vector<std::uint8_t>& rgba = scene.textures[k].rgba;
-    rgba.reserve(from.size());
-    use_large_pages(rgba.data(), from.size());
-    rgba.assign(from.begin(), from.end());  // unlike resize, writes each byte once
+    scene.textures[k].rgba.assign(from.begin(), from.end());  // unlike resize, writes each byte once
   });
 }
 void add_texels(const Reader&, Panorama&) {}
