@@ -10,12 +10,11 @@
 #include <webp/decode.h>
 
 #include <algorithm>
-#include <array>
 #include <csetjmp>
 #include <cstring>
 #include <vector>
 
-#include "core/color.h"
+#include "core/byte_transfer.h"
 #include "scene/readers/texture_file.h"
 
 namespace umbrage {
@@ -24,43 +23,22 @@ namespace {
 constexpr std::size_t kRgba = 4;
 constexpr int kMaxBlock = 8;  // libjpeg's largest
 
-/// 16-bit linear values of bytes, and the bytes nearest to 16-bit linear values.
-struct Transfer {
-  std::array<std::uint32_t, 256> linear;
-  std::vector<std::uint8_t> byte = std::vector<std::uint8_t>(1 << 16);
-
-  explicit Transfer(bool is_linear) {
-    const auto value = [&](float v) { return 65535.0f * (is_linear ? v / 255.0f : linear_from_srgb(v / 255.0f)); };
-    for (std::size_t v = 0, low = 0; v < 256; ++v) {
-      linear[v] = std::uint32_t(value(float(v)) + 0.5f);
-      const std::size_t end = v == 255 ? byte.size() : std::size_t(value(float(v) + 0.5f) + 0.5f);
-      std::fill(byte.begin() + std::ptrdiff_t(low), byte.begin() + std::ptrdiff_t(end), std::uint8_t(v));
-      low = end;
-    }
-  }
-};
-
-const Transfer& transfer_of(bool linear) {
-  static const Transfer srgb(false), plain(true);
-  return linear ? plain : srgb;
-}
-
 /// Takes the rows of an image and averages blocks of texels, each channel by itself.
 class Rows {
  public:
   /// `width` and `height`: of the rows; `block`: see block_side.
   Rows(int width, int height, int block, bool linear, Texture& texture)
-      : block_(std::size_t(block)), transfer_(transfer_of(linear)), texture_(texture) {
+      : block_(std::size_t(block)), transfer_(byte_transfer(linear)), texture_(texture) {
     texture.width = width / block;
     texture.height = height / block;
-    texture.rgba.resize(std::size_t(texture.width) * std::size_t(texture.height) * kRgba);
+    texture.rgba.reserve(std::size_t(texture.width) * std::size_t(texture.height) * kRgba);
     if (block == 1) return;
     row_.resize(std::size_t(width) * kRgba);
     sums_.resize(std::size_t(texture.width));
   }
 
   /// Returns where the next row must be written before the call of `decoded`.
-  std::uint8_t* next() { return block_ == 1 ? &texture_.rgba[row_begin()] : row_.data(); }
+  std::uint8_t* next() { return block_ == 1 ? add_texels() : row_.data(); }
   void decoded() {
     if (block_ > 1) {
       add_row();
@@ -74,7 +52,12 @@ class Rows {
     std::uint32_t color[3] = {}, alpha = 0;
   };
 
-  std::size_t row_begin() const { return count_ / block_ * std::size_t(texture_.width) * kRgba; }
+  /// Adds a row to the texture: while it is in the cache, setting it to 0 takes no time.
+  std::uint8_t* add_texels() {
+    const std::size_t begin = texture_.rgba.size();
+    texture_.rgba.resize(begin + std::size_t(texture_.width) * kRgba);
+    return &texture_.rgba[begin];
+  }
 
   void add_row() {
     const std::uint8_t* texel = row_.data();
@@ -88,7 +71,7 @@ class Rows {
 
   void write_row() {
     const auto count = std::uint32_t(block_ * block_);
-    std::uint8_t* to = &texture_.rgba[row_begin()];
+    std::uint8_t* to = add_texels();
     for (Sum& sum : sums_) {
       for (std::size_t c = 0; c < 3; ++c) *to++ = transfer_.byte[(sum.color[c] + count / 2) / count];
       *to++ = std::uint8_t((sum.alpha + count / 2) / count);
@@ -97,7 +80,7 @@ class Rows {
   }
 
   std::size_t block_, count_ = 0;
-  const Transfer& transfer_;
+  const ByteTransfer& transfer_;
   Texture& texture_;
   std::vector<std::uint8_t> row_;
   std::vector<Sum> sums_;

@@ -6,7 +6,9 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <bit>
 #include <cctype>
+#include <cstring>
 #include <glm/geometric.hpp>
 
 #include "importer/importer.h"
@@ -208,8 +210,13 @@ int TextureCache::find_packed(const std::array<MapChannel, 3>& channels) {
     result.rgba = std::move(images.begin()->second->rgba);
     std::array<std::uint8_t, 4> white{0, 0, 0, 255};
     for (std::size_t c = 0; c < channels.size(); ++c) white[c] = channels[c].name.empty() ? 255 : 0;
-    for (std::size_t i = 0; i < result.rgba.size(); i += 4)
-      for (std::size_t c = 0; c < 4; ++c) result.rgba[i + c] |= white[c];
+    const auto added = std::bit_cast<std::uint32_t>(white);
+    for (std::uint8_t *texel = result.rgba.data(), *end = texel + result.rgba.size(); texel != end; texel += 4) {
+      std::uint32_t value;
+      std::memcpy(&value, texel, sizeof value);
+      value |= added;
+      std::memcpy(texel, &value, sizeof value);
+    }
     return add(std::move(result), key);
   }
   result.rgba.assign(std::size_t(result.width) * std::size_t(result.height) * 4, std::uint8_t(255));

@@ -7,9 +7,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <glm/geometric.hpp>
-#include <limits>
 
+#include "core/byte_transfer.h"
 #include "core/color.h"
 
 namespace umbrage {
@@ -30,15 +31,13 @@ const std::array<float, 256> kUnitFromByte = [] {
   return t;
 }();
 
-std::uint8_t byte_of(float v) { return std::uint8_t(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f); }
+const std::uint8_t* bytes_of(const MipLevel& level, int x, int y) {
+  return level.rgba.data() + (std::size_t(y) * level.width + x) * 4;
+}
 
-/// The linear values of the bytes of a texture's colours.
-using Decoding = std::array<float, 256>;
-const Decoding& decoding_of(bool linear) { return linear ? kUnitFromByte : kLinearFromSrgb; }
-
-glm::vec4 texel(const MipLevel& level, const Decoding& decoding, int x, int y) {
-  const std::uint8_t* p = level.rgba.data() + (std::size_t(y) * level.width + x) * 4;
-  return {decoding[p[0]], decoding[p[1]], decoding[p[2]], kUnitFromByte[p[3]]};
+glm::vec4 srgb_texel(const MipLevel& level, int x, int y) {
+  const std::uint8_t* p = bytes_of(level, x, y);
+  return {kLinearFromSrgb[p[0]], kLinearFromSrgb[p[1]], kLinearFromSrgb[p[2]], kUnitFromByte[p[3]]};
 }
 
 struct Bilinear {
@@ -93,16 +92,13 @@ inline Bilinear bilinear_at(const MipLevel& level, glm::vec2 fraction) {
   return b;
 }
 
-/// Adds the bilinear value of a level, times a weight, to `sum`. Inlined, because a returned vec4 would be stored in
-/// halves, and loading it as a whole would stall.
-inline void add_level(const MipLevel& level, const Decoding& decoding, glm::vec2 fraction, float weight,
-                      glm::vec4& sum) {
+/// Adds the bilinear value of a level of sRGB values, times a weight, to `sum`. Inlined, because a returned vec4 would
+/// be stored in halves, and loading it as a whole would stall.
+inline void add_srgb_level(const MipLevel& level, glm::vec2 fraction, float weight, glm::vec4& sum) {
   const Bilinear b = bilinear_at(level, fraction);
   const float lower = b.fy * weight, upper = weight - lower;
-  sum += texel(level, decoding, b.x0, b.y0) * (upper - upper * b.fx) +
-         texel(level, decoding, b.x1, b.y0) * (upper * b.fx) +
-         texel(level, decoding, b.x0, b.y1) * (lower - lower * b.fx) +
-         texel(level, decoding, b.x1, b.y1) * (lower * b.fx);
+  sum += srgb_texel(level, b.x0, b.y0) * (upper - upper * b.fx) + srgb_texel(level, b.x1, b.y0) * (upper * b.fx) +
+         srgb_texel(level, b.x0, b.y1) * (lower - lower * b.fx) + srgb_texel(level, b.x1, b.y1) * (lower * b.fx);
 }
 
 /// Does the same for a texture of linear values, in integers: a sum of 64 bits holds red, green and blue in 21 bits
@@ -112,7 +108,7 @@ inline void add_linear_level(const MipLevel& level, glm::vec2 fraction, float we
   constexpr std::uint64_t kMask = (1u << 21) - 1;
   const Bilinear b = bilinear_at(level, fraction);
   const auto spread = [&](int x, int y) -> std::uint64_t {
-    const std::uint8_t* p = level.rgba.data() + (std::size_t(y) * level.width + x) * 4;
+    const std::uint8_t* p = bytes_of(level, x, y);
     return std::uint64_t(p[0]) | std::uint64_t(p[1]) << 21 | std::uint64_t(p[2]) << 42;
   };
   const auto right = std::uint64_t(b.fx * kOne + 0.5f), low = std::uint64_t(b.fy * kOne + 0.5f);
@@ -134,56 +130,77 @@ float log2_of(float x) {
   return float(int(bits >> 23) - 127) + (t + t * (1.0f - t) * curve);
 }
 
-/// Returns byte_of(srgb_from_linear(v)) without the power.
-std::uint8_t srgb_byte_of(float v) {
-  constexpr int kSteps = 4096;  // a byte spans at least one of them
-  struct Bytes {
-    std::array<float, 257> min_value{};  // of each byte
-    std::array<std::uint8_t, kSteps + 1> first{};
-    Bytes() {
-      for (std::size_t byte = 0; byte < 256; ++byte)
-        min_value[byte] = byte > 0 ? linear_from_srgb((float(byte) - 0.5f) / 255.0f) : 0.0f;
-      min_value[256] = std::numeric_limits<float>::infinity();
-      for (std::size_t k = 0; k < first.size(); ++k)
-        first[k] = byte_of(srgb_from_linear(float(k) * (1.0f / float(kSteps))));
+/// Averages the texels of a level that a texel of the next one covers: two per axis, three at the end of an odd side.
+void average(const MipLevel& level, const ByteTransfer& transfer, int x0, int x1, int y0, int y1, std::uint8_t* out) {
+  std::uint32_t weighted[3] = {}, plain[3] = {}, alpha = 0;
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) {
+      const std::uint8_t* p = bytes_of(level, x, y);
+      for (int c = 0; c < 3; ++c) {
+        plain[c] += transfer.linear[p[c]];
+        weighted[c] += transfer.linear[p[c]] * p[3];
+      }
+      alpha += p[3];
     }
-  };
-  static const Bytes bytes;
-  std::size_t byte = bytes.first[std::size_t(std::clamp(v, 0.0f, 1.0f) * float(kSteps))];
-  while (v >= bytes.min_value[byte + 1]) ++byte;
-  return std::uint8_t(byte);
+  const auto count = std::uint32_t((x1 - x0) * (y1 - y0));
+  for (int c = 0; c < 3; ++c)
+    out[c] = transfer.byte[alpha > 0 ? (weighted[c] + alpha / 2) / alpha : (plain[c] + count / 2) / count];
+  out[3] = std::uint8_t((alpha + count / 2) / count);
 }
 
-/// Averages the texels of a level that a texel of the next one covers: two per axis, three at the end of an odd side.
-void average(const MipLevel& level, bool linear, int x0, int x1, int y0, int y1, std::uint8_t* out) {
-  const Decoding& decoding = decoding_of(linear);
-  glm::vec3 weighted(0.0f), plain(0.0f);
-  float alpha = 0.0f;
-  for (int j = y0; j < y1; ++j)
-    for (int i = x0; i < x1; ++i) {
-      const glm::vec4 t = texel(level, decoding, i, j);
-      weighted += glm::vec3(t) * t.a;
-      plain += glm::vec3(t);
-      alpha += t.a;
+/// Averages 2 x 2 opaque texels: `count` times those of two rows.
+void average_pairs(const std::uint8_t* upper, const std::uint8_t* lower, int count, bool linear, std::uint8_t* out) {
+  if (!linear) {
+    const ByteTransfer& transfer = byte_transfer(false);
+    for (int x = 0; x < count; ++x, upper += 8, lower += 8) {
+      for (int c = 0; c < 3; ++c)
+        *out++ = transfer.byte[(transfer.linear[upper[c]] + transfer.linear[upper[c + 4]] + transfer.linear[lower[c]] +
+                                transfer.linear[lower[c + 4]] + 2) /
+                               4];
+      *out++ = 255;
     }
-  const float count = float((x1 - x0) * (y1 - y0));
-  const glm::vec3 color = alpha > 0.0f ? weighted / alpha : plain / count;
-  for (int c = 0; c < 3; ++c) out[c] = linear ? byte_of(color[c]) : srgb_byte_of(color[c]);
-  out[3] = std::uint8_t(alpha / count * 255.0f + 0.5f);
+    return;
+  }
+  constexpr std::uint64_t kMask = 0x00ff00ff00ff00ff, kHalf = 0x00020002;  // every other byte has space for a sum
+  const auto mean = [](std::uint64_t a, std::uint64_t b) {
+    const std::uint64_t sum = (a & kMask) + (b & kMask);
+    return std::uint32_t((sum + (sum >> 32) + kHalf) >> 2 & kMask);
+  };
+  for (int x = 0; x < count; ++x, out += 4) {
+    std::uint64_t a, b;
+    std::memcpy(&a, upper + 8 * x, sizeof a);
+    std::memcpy(&b, lower + 8 * x, sizeof b);
+    const std::uint32_t texel = mean(a, b) | mean(a >> 8, b >> 8) << 8;
+    std::memcpy(out, &texel, sizeof texel);
+  }
+}
+
+bool is_opaque(std::span<const std::uint8_t> rgba) {
+  std::uint8_t common = 255;
+  for (std::size_t k = 3; k < rgba.size(); k += 4) common &= rgba[k];
+  return common == 255;
 }
 
 /// Returns the next level, whose texels are written to `rgba`.
 MipLevel half_of(const MipLevel& level, bool linear, std::unique_ptr<std::uint8_t[]>& rgba) {
   constexpr int kRows = 32;  // for each thread at least
   const int width = std::max(level.width / 2, 1), height = std::max(level.height / 2, 1);
-  const std::size_t size = std::size_t(width) * std::size_t(height) * 4;
+  const std::size_t size = std::size_t(width) * std::size_t(height) * 4, row_size = std::size_t(level.width) * 4;
   rgba = std::make_unique_for_overwrite<std::uint8_t[]>(size);
   const auto end_of = [](int k, int half, int whole) { return k + 1 == half ? whole : 2 * k + 2; };
   tbb::parallel_for(tbb::blocked_range<int>(0, height, kRows), [&](const tbb::blocked_range<int>& rows) {
-    for (int y = rows.begin(); y < rows.end(); ++y)
-      for (int x = 0; x < width; ++x)
-        average(level, linear, 2 * x, end_of(x, width, level.width), 2 * y, end_of(y, height, level.height),
-                &rgba[(std::size_t(y) * std::size_t(width) + std::size_t(x)) * 4]);
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      const int end = end_of(y, height, level.height);
+      const std::uint8_t* upper = bytes_of(level, 0, 2 * y);
+      std::uint8_t* out = &rgba[std::size_t(y) * std::size_t(width) * 4];
+      int x = 0;
+      if (level.width > 1 && end - 2 * y == 2 && is_opaque({upper, 2 * row_size})) {
+        x = width - level.width % 2;
+        average_pairs(upper, upper + row_size, x, linear, out);
+      }
+      for (; x < width; ++x)
+        average(level, byte_transfer(linear), 2 * x, end_of(x, width, level.width), 2 * y, end, out + 4 * x);
+    }
   });
   return {width, height, {rgba.get(), size}, false, level.clamped};
 }
@@ -233,7 +250,7 @@ glm::vec4 sample_filtered(const MipTexture& texture, const MipFootprint& f) {
       if (texture.linear)
         add_linear_level(texels, at, weight, sum);
       else
-        add_level(texels, kLinearFromSrgb, at, weight, sum);
+        add_srgb_level(texels, at, weight, sum);
     }
   }
   return sum;
@@ -246,7 +263,7 @@ glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
 float sample_alpha(const MipTexture& texture, glm::vec2 uv) {
   const MipLevel& level = texture.levels[0];
   const Bilinear b = bilinear_at(level, fraction_from_top_left(texture, uv));
-  const auto alpha = [&](int x, int y) { return float(level.rgba[(std::size_t(y) * level.width + x) * 4 + 3]); };
+  const auto alpha = [&](int x, int y) { return float(bytes_of(level, x, y)[3]); };
   const float top = alpha(b.x0, b.y0) * (1.0f - b.fx) + alpha(b.x1, b.y0) * b.fx;
   const float bottom = alpha(b.x0, b.y1) * (1.0f - b.fx) + alpha(b.x1, b.y1) * b.fx;
   return (top * (1.0f - b.fy) + bottom * b.fy) / 255.0f;

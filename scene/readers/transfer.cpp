@@ -5,13 +5,16 @@
 
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <type_traits>
+#include <utility>
 
 #include "core/version.h"
 
@@ -159,6 +162,7 @@ struct Reader {
   const char* at;
   std::size_t remaining;
   bool failed = false;
+  std::vector<std::pair<const char*, std::size_t>> lists = {};  ///< start and count of lists of numbers, for ListReader
 
   void bytes(void* to, std::size_t size) {
     failed = failed || size > remaining;
@@ -182,27 +186,63 @@ struct Reader {
     read(byte);
     value = byte != 0;
   }
-  void read(std::string& text) { read_list(text); }
+  void read(std::string& text) {
+    const std::uint64_t count = count_of<char>();
+    text.assign(at, count);
+    at += count, remaining -= count;
+  }
   template <class T>
   void read(std::vector<T>& list) {
-    read_list(list);
-  }
-  void read_list(auto& list) {
-    using Value = std::remove_cvref_t<decltype(list[0])>;
-    std::uint64_t count = 0;
-    read(count);
-    failed = failed || count > remaining / (kPlain<Value> ? sizeof(Value) : 1);
-    if (failed) return;
-    if constexpr (sizeof(Value) == 1) {
-      const auto* first = reinterpret_cast<const Value*>(at);
-      list.assign(first, first + count);  // unlike resize, writes each byte once
-      at += count, remaining -= count;
-    } else if constexpr (kPlain<Value>) {
-      list.resize(count);
-      bytes(list.data(), count * sizeof(Value));
+    const std::uint64_t count = count_of<T>();
+    if constexpr (kPlain<T>) {
+      lists.emplace_back(at, count);
+      at += count * sizeof(T), remaining -= count * sizeof(T);
     } else {
       for (std::uint64_t i = 0; i < count && !failed; ++i) read(list.emplace_back());
     }
+  }
+  /// Reads the number of values of a list; 0 if the data ends before.
+  template <class T>
+  std::uint64_t count_of() {
+    std::uint64_t count = 0;
+    read(count);
+    failed = failed || count > remaining / (kPlain<T> ? sizeof(T) : 1);
+    return failed ? 0 : count;
+  }
+};
+
+/// Copies the lists of numbers of an object that has been read, which are nearly all of its bytes, with all threads.
+struct ListReader {
+  const Reader& reader;
+  std::vector<std::function<void()>> copies = {};
+
+  template <class... T>
+  void operator()(T&... values) {
+    (visit(values), ...);
+  }
+  template <class T>
+  void visit(T& value) {
+    if constexpr (!kPlain<T>) list_fields(*this, value);
+  }
+  void visit(std::string&) {}
+  template <class T>
+  void visit(std::vector<T>& list) {
+    if constexpr (kPlain<T>) {
+      const auto [first, count] = reader.lists[copies.size()];
+      copies.emplace_back([&list, first, count] {
+        if constexpr (sizeof(T) == 1) {  // unlike resize, assign writes each byte once
+          list.assign(reinterpret_cast<const T*>(first), reinterpret_cast<const T*>(first) + count);
+        } else {
+          list.resize(count);
+          if (count > 0) std::memcpy(list.data(), first, count * sizeof(T));
+        }
+      });
+    } else {
+      for (T& value : list) visit(value);
+    }
+  }
+  void copy() {
+    tbb::parallel_for(std::size_t(0), copies.size(), [&](std::size_t k) { copies[k](); });
   }
 };
 
@@ -260,6 +300,9 @@ std::optional<Result<T>> receive(int file) {
   reader(end);
   if (reader.failed || end != kEnd) return std::nullopt;
   if (!has_value) return std::optional<Result<T>>(std::in_place, std::move(error));
+  ListReader lists{reader};
+  lists(value);
+  lists.copy();
   if (!is_consistent(value)) return std::nullopt;
   return std::optional<Result<T>>(std::in_place, std::move(value));
 }
