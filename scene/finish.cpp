@@ -163,7 +163,7 @@ void add_triangles(const Mesh& mesh, const glm::mat4& world_from_mesh, SceneBox&
     if (std::max({corner[0], corner[1], corner[2]}) >= mesh.positions.size()) continue;
     const glm::vec3 corners[3] = {at(corner[0]), at(corner[1]), at(corner[2])};
     if (!is_drawable(corners[0], corners[1], corners[2])) continue;
-    for (const glm::vec3& p : corners) box = {glm::min(box.low, p), glm::max(box.high, p)};
+    for (const glm::vec3& p : corners) extend(box, p);
   }
 }
 
@@ -188,9 +188,8 @@ bool is_seen(const Scene& scene, const Mesh& mesh) {
 /// Sets the bounds to the box of all vertices and points, or of all but strays, and warns of these.
 Strays set_bounds(Scene& scene, BoundsOf bounds) {
   SceneBox all;
-  for (const Mesh& mesh : scene.meshes) {
-    for (const glm::vec3& p : mesh.positions) all = {glm::min(all.low, p), glm::max(all.high, p)};
-  }
+  for (const Mesh& mesh : scene.meshes)
+    for (const glm::vec3& p : mesh.positions) extend(all, p);
   const Strays strays = bounds == BoundsOf::kAll ? Strays{.rest = all} : find_strays(scene, all);
   if (strays.any()) scene.warnings.push_back(strays_text(strays));
   scene.bounds_min = scene.meshes.empty() ? glm::vec3(0.0f) : strays.rest.low;

@@ -2,6 +2,7 @@
 #include "scene/framing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_access.hpp>
@@ -11,8 +12,8 @@
 #include <limits>
 
 #include "scene/finish.h"
+#include "scene/fitted_vertices.h"
 #include "scene/front.h"
-#include "scene/strays.h"
 
 namespace umbrage {
 namespace {
@@ -68,39 +69,6 @@ glm::vec3 turned(glm::vec3 side, const glm::vec3& up, float azimuth_deg, float e
   return side;
 }
 
-/// Calls visit(position, radius) for each vertex and point that is within the bounds: the centre and radius of a
-/// sphere, the ends of a disc, with a radius of 0; for the points of Scene::motion in their place, if there are any.
-template <class Visit>
-void for_each_vertex(const Scene& scene, Visit visit) {
-  for (const glm::vec3& p : scene.motion) visit(p, 0.0);
-  if (!scene.motion.empty()) return;
-  for (const Mesh& mesh : scene.meshes) {
-    if (scene.ground_object >= 0 && mesh.object == scene.ground_object) continue;
-    if (!mesh.points) {
-      for (const glm::vec3& p : mesh.positions)
-        if (is_in_bounds(scene, p)) visit(p, 0.0);
-      continue;
-    }
-    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-      if (!is_in_bounds(scene, mesh.positions[i])) continue;
-      if (mesh.spheres) {
-        visit(mesh.positions[i], double(mesh.radii[i]));
-        continue;
-      }
-      for (int axis = 0; axis < 3; ++axis) {
-        glm::vec3 reach(0.0f);
-        reach[axis] = mesh.radii[i];
-        visit(mesh.positions[i] - reach, 0.0);
-        visit(mesh.positions[i] + reach, 0.0);
-      }
-    }
-  }
-  if (scene.meshes.empty()) {
-    visit(scene.bounds_min, 0.0);
-    visit(scene.bounds_max, 0.0);
-  }
-}
-
 struct Interval {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
   void add(double x) {
@@ -109,6 +77,7 @@ struct Interval {
   }
   double middle() const { return 0.5 * (low + high); }
   double size() const { return high - low; }
+  bool operator==(const Interval&) const = default;
 };
 
 /// Result of a fit: the picture's centre at the scene's depth, and the distance of the camera from there.
@@ -134,15 +103,15 @@ Axes axes_of(const glm::vec3& origin, const glm::vec3& side, const glm::vec3& up
 }
 
 /// Fits an orthographic camera. With `keep_middle` the origin of the axes stays in the middle of the picture.
-Fit fit_orthographic(const Scene& scene, const Axes& axes, float aspect, float margin, bool keep_middle) {
-  Interval x, y, z;
-  for_each_vertex(scene, [&](const glm::vec3& p, double r) {
+Fit fit_orthographic(const FittedVertices& vertices, double radius, const Axes& axes, float aspect, float margin,
+                     bool keep_middle) {
+  auto [x, y, z] = vertices.extremes(std::array<Interval, 3>{}, [&](auto& found, const glm::vec3& p, double r) {
     const glm::dvec3 q = axes.view(p);
-    x.add(q.x - r), y.add(q.y - r), z.add(q.z - r);
-    x.add(q.x + r), y.add(q.y + r), z.add(q.z + r);
+    for (int axis = 0; axis < 3; ++axis)
+      found[std::size_t(axis)].add(q[axis] - r), found[std::size_t(axis)].add(q[axis] + r);
+    return true;
   });
   if (keep_middle) x.add(-x.low), x.add(-x.high), y.add(-y.low), y.add(-y.high);
-  const double radius = std::max(double(scene.radius()), 1e-30);
   Fit fit;
   fit.target = glm::vec3(axes.origin + x.middle() * axes.right + y.middle() * axes.up);
   fit.distance = float(std::max(2.0 * radius, radius - z.low));
@@ -153,23 +122,26 @@ Fit fit_orthographic(const Scene& scene, const Axes& axes, float aspect, float m
 /// Fits a perspective camera. Each of the four side planes of the view frustum is moved outwards until it touches a
 /// vertex, which gives the camera's position in closed form from one traversal of the vertices. The axis with space to
 /// spare is then centred by iteration.
-Fit fit_perspective(const Scene& scene, const Axes& axes, float angle_deg, float aspect, float margin,
-                    bool keep_middle) {
+Fit fit_perspective(const FittedVertices& vertices, double radius, const Axes& axes, float angle_deg, float aspect,
+                    float margin, bool keep_middle) {
   const double tan_y = std::tan(glm::radians(double(angle_deg)) / 2.0) * (1.0 - 2.0 * margin), tan_x = tan_y * aspect;
   const double secant_x = std::sqrt(1.0 + tan_x * tan_x), secant_y = std::sqrt(1.0 + tan_y * tan_y);
   constexpr double kLowest = std::numeric_limits<double>::lowest();
-  double right = kLowest, left = kLowest, top = kLowest, bottom = kLowest;
-  Interval z;
-  for_each_vertex(scene, [&](const glm::vec3& p, double r) {
-    const glm::dvec3 q = axes.view(p);
-    right = std::max(right, q.x - tan_x * q.z + r * secant_x);
-    left = std::max(left, -q.x - tan_x * q.z + r * secant_x);
-    top = std::max(top, q.y - tan_y * q.z + r * secant_y);
-    bottom = std::max(bottom, -q.y - tan_y * q.z + r * secant_y);
-    z.add(q.z - r), z.add(q.z + r);
-  });
-  const double radius = std::max(double(scene.radius()), 1e-30);
-  double eye_x = 0.0, eye_y = 0.0, eye_z = z.low - kNearest * radius;
+  struct Planes {
+    double right = kLowest, left = kLowest, top = kLowest, bottom = kLowest, front = kLowest;
+    bool operator==(const Planes&) const = default;
+  };
+  const auto [right, left, top, bottom, front] =
+      vertices.extremes(Planes(), [&](Planes& found, const glm::vec3& p, double r) {
+        const glm::dvec3 q = axes.view(p);
+        found.right = std::max(found.right, q.x - tan_x * q.z + r * secant_x);
+        found.left = std::max(found.left, -q.x - tan_x * q.z + r * secant_x);
+        found.top = std::max(found.top, q.y - tan_y * q.z + r * secant_y);
+        found.bottom = std::max(found.bottom, -q.y - tan_y * q.z + r * secant_y);
+        found.front = std::max(found.front, r - q.z);
+        return true;
+      });
+  double eye_x = 0.0, eye_y = 0.0, eye_z = -front - kNearest * radius;
   if (keep_middle) {
     eye_z = std::min({eye_z, -kNearest * radius, -right / tan_x, -left / tan_x, -top / tan_y, -bottom / tan_y});
   } else {
@@ -178,17 +150,22 @@ Fit fit_perspective(const Scene& scene, const Axes& axes, float angle_deg, float
     eye_z = std::min({eye_z, -0.5 * (right + left) / tan_x, -0.5 * (top + bottom) / tan_y});
     constexpr int kRounds = 3;  // each reduces the offset to a few percent
     for (int round = 0; round < kRounds; ++round) {
-      Interval x, y;
-      double depth_left = 1.0, depth_right = 1.0, depth_bottom = 1.0, depth_top = 1.0;
-      for_each_vertex(scene, [&](const glm::vec3& p, double r) {
-        const glm::dvec3 q = axes.view(p);
-        const double depth = q.z - eye_z, u = (q.x - eye_x) / depth, v = (q.y - eye_y) / depth;
-        const double du = r * std::sqrt(1.0 + u * u) / depth, dv = r * std::sqrt(1.0 + v * v) / depth;
-        if (u - du < x.low) x.low = u - du, depth_left = depth;
-        if (u + du > x.high) x.high = u + du, depth_right = depth;
-        if (v - dv < y.low) y.low = v - dv, depth_bottom = depth;
-        if (v + dv > y.high) y.high = v + dv, depth_top = depth;
-      });
+      struct Edges {
+        Interval x, y;
+        double depth_left = 1.0, depth_right = 1.0, depth_bottom = 1.0, depth_top = 1.0;
+        bool operator==(const Edges&) const = default;
+      };
+      const auto [x, y, depth_left, depth_right, depth_bottom, depth_top] =
+          vertices.extremes(Edges(), [&](Edges& found, const glm::vec3& p, double r) {
+            const glm::dvec3 q = axes.view(p);
+            const double depth = q.z - eye_z, u = (q.x - eye_x) / depth, v = (q.y - eye_y) / depth;
+            const double du = r * std::sqrt(1.0 + u * u) / depth, dv = r * std::sqrt(1.0 + v * v) / depth;
+            if (u - du < found.x.low) found.x.low = u - du, found.depth_left = depth;
+            if (u + du > found.x.high) found.x.high = u + du, found.depth_right = depth;
+            if (v - dv < found.y.low) found.y.low = v - dv, found.depth_bottom = depth;
+            if (v + dv > found.y.high) found.y.high = v + dv, found.depth_top = depth;
+            return depth > 0.0;
+          });
       // A step s moves the extremes by -s / depth; this step makes them equal and opposite.
       eye_x += (x.low + x.high) / (1.0 / depth_left + 1.0 / depth_right);
       eye_y += (y.low + y.high) / (1.0 / depth_bottom + 1.0 / depth_top);
@@ -217,7 +194,7 @@ float shift_to(const Interval& all, const Interval& model, double half) {
 }
 
 /// Shifts the window of a fitted camera: see Framing::centers_shadow.
-void center_shadow(const Scene& scene, const Framing& framing, Camera& camera) {
+void center_shadow(const Scene& scene, const FittedVertices& vertices, const Framing& framing, Camera& camera) {
   constexpr double kMinSine = 0.2;  // shadows of lower lights are too long to fit
   const glm::dvec3 up = glm::normalize(glm::dvec3(scene.up));
   const Light key = scene.lights.empty() ? studio_lighting(camera, scene.up).lights[0] : scene.lights[0];
@@ -227,19 +204,24 @@ void center_shadow(const Scene& scene, const Framing& framing, Camera& camera) {
   if (sine < kMinSine) return;
   const glm::dmat4 view(camera.view_from_world);
   const bool parallel = camera.projection == Projection::kOrthographic;
-  Interval x, y, all_x, all_y;
-  for_each_vertex(scene, [&](const glm::vec3& vertex, double r) {
+  struct Edges {
+    Interval x, y, all_x, all_y;
+    bool operator==(const Edges&) const = default;
+  };
+  Edges edges = vertices.extremes(Edges(), [&](Edges& found, const glm::vec3& vertex, double r) {
     const glm::dvec3 p(vertex), at(view * glm::dvec4(p, 1.0));
     const glm::dvec3 shadow(view * glm::dvec4(p - light * ((glm::dot(p, up) - ground) / sine), 1.0));
     for (const double reach : {-r, r}) {
-      x.add((at.x + reach) / (parallel ? 1.0 : -at.z)), y.add((at.y + reach) / (parallel ? 1.0 : -at.z));
+      found.x.add((at.x + reach) / (parallel ? 1.0 : -at.z)), found.y.add((at.y + reach) / (parallel ? 1.0 : -at.z));
     }
-    if (shadow.z >= 0.0) return;  // behind the camera
+    if (shadow.z >= 0.0) return false;
     for (const double reach : {-r, r}) {
-      all_x.add((shadow.x + reach) / (parallel ? 1.0 : -shadow.z));
-      all_y.add((shadow.y + reach) / (parallel ? 1.0 : -shadow.z));
+      found.all_x.add((shadow.x + reach) / (parallel ? 1.0 : -shadow.z));
+      found.all_y.add((shadow.y + reach) / (parallel ? 1.0 : -shadow.z));
     }
+    return at.z < 0.0;
   });
+  auto& [x, y, all_x, all_y] = edges;
   // The soft end of a shadow weighs less than the model.
   constexpr double kWeight = 0.5;
   for (auto [all, model] : {std::pair{&all_x, &x}, std::pair{&all_y, &y}}) {
@@ -326,7 +308,7 @@ std::vector<glm::dvec3> FarthestPoints::points() const {
 
 std::vector<glm::vec3> points_around(const Scene& scene) {
   FarthestPoints farthest;
-  for_each_vertex(scene, [&](const glm::vec3& p, double radius) {
+  FittedVertices(scene).for_each([&](const glm::vec3& p, double radius) {
     farthest.add(glm::dvec3(p) - radius);
     if (radius > 0.0) farthest.add(glm::dvec3(p) + radius);
   });
@@ -361,12 +343,15 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
   const glm::vec2 used = 1.0f - framing.free_space;
   const float used_aspect = aspect * used.x / used.y;
   const bool keep_middle = framing.focal_point.has_value();
+  const FittedVertices vertices(scene);
+  const double radius = std::max(double(scene.radius()), 1e-30);
   const Fit fit = framing.orthographic
-                      ? fit_orthographic(scene, axes, used_aspect, framing.margin, keep_middle)
-                      : fit_perspective(scene, axes, angle_deg, used_aspect, framing.margin, keep_middle);
+                      ? fit_orthographic(vertices, radius, axes, used_aspect, framing.margin, keep_middle)
+                      : fit_perspective(vertices, radius, axes, angle_deg, used_aspect, framing.margin, keep_middle);
   Camera camera =
       camera_at(fit.target + fit.distance * side, fit.target, up, angle_deg, fit.height, used_aspect, framing);
-  if (framing.centers_shadow && scene.ground_object >= 0 && !keep_middle) center_shadow(scene, framing, camera);
+  if (framing.centers_shadow && scene.ground_object >= 0 && !keep_middle)
+    center_shadow(scene, vertices, framing, camera);
   camera.right += (camera.right - camera.left) * framing.free_space.x / used.x;
   camera.bottom -= (camera.top - camera.bottom) * framing.free_space.y / used.y;
   return camera;

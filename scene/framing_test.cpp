@@ -169,6 +169,41 @@ TEST(Framing, LargeSpheresAreInsideThePicture) {
   EXPECT_NEAR(nearest, 0.0f, 0.02f) << "in radii of 1.2 to 1.7: one touches the border, none crosses it";
 }
 
+TEST(Framing, DoesNotDependOnTheOrderOfVertices) {
+  // In this order, as in files, consecutive points are close to each other, and most blocks of them are skipped.
+  std::vector<glm::vec3> spiral;
+  for (int i = 0; i < 20000; ++i) {
+    const float height = float(i) / 10000.0f - 1.0f, width = std::sqrt(1.0f - height * height),
+                angle = 0.05f * float(i);
+    spiral.emplace_back(2.0f * width * std::cos(angle), height, width * std::sin(angle) + 0.3f * height);
+  }
+  for (const bool points : {false, true})
+    for (const bool spheres : {false, true})
+      for (const bool orthographic : {false, true}) {
+        Mesh mesh{.positions = spiral, .points = points, .spheres = points && spheres};
+        if (points)
+          for (std::size_t i = 0; i < spiral.size(); ++i) mesh.radii.push_back(0.001f * float(i % 100));
+        Scene ordered, shuffled;
+        ordered.bounds_min = shuffled.bounds_min = {-2.5f, -0.9f, -1.5f};  // less than the spiral
+        ordered.bounds_max = shuffled.bounds_max = {1.5f, 1.5f, 1.5f};
+        ordered.meshes = {mesh};
+        std::mt19937 random(1);
+        for (std::size_t i = spiral.size() - 1; i > 0; --i) {
+          const std::size_t other = random() % i;
+          std::swap(mesh.positions[i], mesh.positions[other]);
+          if (points) std::swap(mesh.radii[i], mesh.radii[other]);
+        }
+        shuffled.meshes = {mesh};
+        add_ground(ordered);
+        add_ground(shuffled);
+        const Framing framing{.margin = 0.1f, .centers_shadow = true, .orthographic = orthographic};
+        const Camera a = frame_scene(ordered, framing, 300, 200), b = frame_scene(shuffled, framing, 300, 200);
+        EXPECT_EQ(a.view_from_world, b.view_from_world) << points << spheres << orthographic;
+        EXPECT_EQ(a.left, b.left);
+        EXPECT_EQ(a.top, b.top);
+      }
+}
+
 TEST(Framing, LooksAtTheFrontOfFilesWithZUp) {
   Scene scene = lump({1, 2, 3}, {0, 0, 3});
   scene.up = {0, 0, 1};

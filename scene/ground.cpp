@@ -1,6 +1,10 @@
 // Ground: detection of a scene's own ground by its relief, and the disc below models.
 #include "scene/ground.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -87,7 +91,7 @@ struct Relief {
   void add_triangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
     const auto steps = [&](const glm::vec3& edge) {
       constexpr float kMaxSteps = 8.0f * kCells;  // for strays
-      return std::ceil(std::clamp(2.0f * std::hypot(edge.x, edge.z) / cell(), 1.0f, kMaxSteps));
+      return std::ceil(std::clamp(2.0f * std::sqrt(edge.x * edge.x + edge.z * edge.z) / cell(), 1.0f, kMaxSteps));
     };
     const float rows = steps(b - a), columns = steps(c - a);
     for (float i = 0.0f; i <= rows; ++i) {
@@ -100,19 +104,30 @@ struct Relief {
 
 std::vector<float> heights_of(const Scene& scene, Relief relief) {
   relief.heights.assign(Relief::kCells * Relief::kCells, kNothing);
+  tbb::enumerable_thread_specific<Relief> parts(relief);
+  const auto for_all = [&](std::size_t count, auto add) {
+    constexpr std::size_t kGrain = 4096;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+      Relief& part = parts.local();
+      for (std::size_t i = range.begin(); i < range.end(); ++i) add(part, i);
+    });
+  };
   for (const Mesh& mesh : scene.meshes) {
     if (mesh.object == scene.ground_object) continue;
-    for (std::size_t i = 0; i < mesh.radii.size(); ++i) {
+    for_all(mesh.radii.size(), [&](Relief& part, std::size_t i) {
       const glm::vec3 p = relief.local(mesh.positions[i]);
       const float r = mesh.radii[i];
-      relief.add_triangle(p + glm::vec3(-r, 0, -r), p + glm::vec3(r, 0, -r), p + glm::vec3(-r, 0, r));
-      relief.add_triangle(p + glm::vec3(r, 0, r), p + glm::vec3(r, 0, -r), p + glm::vec3(-r, 0, r));
-    }
-    for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3)
-      relief.add_triangle(relief.local(mesh.positions[mesh.indices[k]]),
-                          relief.local(mesh.positions[mesh.indices[k + 1]]),
-                          relief.local(mesh.positions[mesh.indices[k + 2]]));
+      part.add_triangle(p + glm::vec3(-r, 0, -r), p + glm::vec3(r, 0, -r), p + glm::vec3(-r, 0, r));
+      part.add_triangle(p + glm::vec3(r, 0, r), p + glm::vec3(r, 0, -r), p + glm::vec3(-r, 0, r));
+    });
+    for_all(mesh.indices.size() / 3, [&](Relief& part, std::size_t i) {
+      const auto corner = [&](std::size_t k) { return relief.local(mesh.positions[mesh.indices[3 * i + k]]); };
+      part.add_triangle(corner(0), corner(1), corner(2));
+    });
   }
+  for (const Relief& part : parts)
+    std::transform(part.heights.begin(), part.heights.end(), relief.heights.begin(), relief.heights.begin(),
+                   [](float a, float b) { return std::max(a, b); });
   return std::move(relief.heights);
 }
 

@@ -1,6 +1,5 @@
 // Normals and sizes of points, estimated from their nearest neighbours, which a k-d tree finds [Bentley 1975].
-// nanoflann 1.4 takes as long (3.7 s for a tree of 1e6 points and twelve neighbours of each, on two cores) and finds
-// the same, but builds its tree in one thread and does not order the points in memory.
+// Each leaf searches for the neighbours of all its points at once.
 #include "scene/points.h"
 
 #include <tbb/blocked_range.h>
@@ -10,20 +9,22 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
 #include <limits>
 #include <numbers>
 #include <tuple>
 
 #include "core/basis.h"
-#include "core/eigen.h"
 #include "core/lists.h"
 #include "core/parameters.h"
 #include "scene/fields.h"
 #include "scene/finish.h"
+#include "scene/strays.h"
 
 namespace umbrage {
 namespace {
@@ -31,10 +32,10 @@ namespace {
 constexpr int kNeighbors = 12;  // enough to fit a plane to noisy points; few enough to lie on one side of a wall
 // In units of the spacing: the max half width of a hole that discs close, and the max radius of a disc. A few pinholes
 // look better than oversized discs.
-constexpr double kMaxHoleHalfWidth = 2.5, kMaxDiscRadius = 1.5;
+constexpr float kMaxHoleHalfWidth = 2.5f, kMaxDiscRadius = 1.5f;
 // At the border of a surface, with no neighbours beyond it: the radius of a disc, in units of the mean distance of the
 // kBorderNeighbors nearest neighbours.
-constexpr double kBorderRadius = 0.75;
+constexpr float kBorderRadius = 0.75f;
 constexpr int kBorderNeighbors = 3;
 constexpr float kSlack = 1.05f;  // factor for radii of discs: neighbours on a curved surface are tilted and leave gaps
 constexpr float kSphereRadius = 0.5f;  // in units of the spacing: spheres on a grid touch
@@ -57,79 +58,161 @@ bool usable(const glm::vec3& p) {
 
 bool usable(float radius) { return radius > 0.0f && radius <= kMaxCoordinate; }
 
-/// Orders points as a balanced k-d tree: the middle of each range splits it along the axis of its largest extent.
-struct Tree {
-  static constexpr std::size_t kLeaf = 12;  // ranges up to this size are searched linearly
-  std::vector<IndexedPoint> points;
-  std::vector<std::uint8_t> axes;  // split axis of each range's middle
+/// A range of points in the order of a balanced k-d tree: its halves are the next nodes. Ranges of kLeaf or fewer
+/// points are leaves.
+struct TreeRange {
+  static constexpr std::uint32_t kLeaf = 32;
+  std::uint32_t begin, end;
 
-  explicit Tree(std::vector<IndexedPoint> all) : points(std::move(all)), axes(points.size()) {
-    divide(0, points.size());
-  }
-
-  void divide(std::size_t begin, std::size_t end) {
-    if (end - begin <= kLeaf) return;
-    glm::vec3 low = points[begin].position, high = low;
-    for (std::size_t i = begin; i < end; ++i) {
-      low = glm::min(low, points[i].position);
-      high = glm::max(high, points[i].position);
-    }
-    const glm::vec3 size = high - low;
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const std::size_t middle = begin + (end - begin) / 2;
-    const auto at = [&](std::size_t i) { return points.begin() + std::ptrdiff_t(i); };
-    std::nth_element(at(begin), at(middle), at(end), [axis](const IndexedPoint& a, const IndexedPoint& b) {
-      return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.index < b.index;
-    });
-    axes[middle] = std::uint8_t(axis);
-    constexpr std::size_t kMinParallelSize = 20000;
-    if (end - begin > kMinParallelSize) {
-      tbb::parallel_invoke([&] { divide(begin, middle); }, [&] { divide(middle + 1, end); });
-    } else {
-      divide(begin, middle);
-      divide(middle + 1, end);
-    }
+  bool is_leaf() const { return end - begin <= kLeaf; }
+  std::uint32_t middle() const { return begin + (end - begin) / 2; }
+  /// Calls visit(half) for both halves, in parallel if they are large.
+  template <class Visit>
+  void for_halves(const Visit& visit) const {
+    constexpr std::uint32_t kMinParallelSize = 20000;
+    const TreeRange halves[] = {{begin, middle()}, {middle(), end}};
+    if (end - begin > kMinParallelSize)
+      tbb::parallel_invoke([&] { visit(0, halves[0]); }, [&] { visit(1, halves[1]); });
+    else
+      visit(0, halves[0]), visit(1, halves[1]);
   }
 };
 
-/// The nearest points found so far, sorted by distance.
+/// Puts points in the order of a k-d tree: the middle of each range splits it along the axis of its largest extent.
+void order_as_tree(std::vector<IndexedPoint>& points, const TreeRange& range) {
+  if (range.is_leaf()) return;
+  SceneBox box;
+  for (std::uint32_t i = range.begin; i < range.end; ++i) extend(box, points[i].position);
+  const glm::vec3 size = box.high - box.low;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const auto at = [&](std::uint32_t i) { return points.begin() + std::ptrdiff_t(i); };
+  std::nth_element(
+      at(range.begin), at(range.middle()), at(range.end), [axis](const IndexedPoint& a, const IndexedPoint& b) {
+        return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.index < b.index;
+      });
+  range.for_halves([&](int, const TreeRange& half) { order_as_tree(points, half); });
+}
+
+/// The nearest points found so far of one point.
 struct Nearest {
   glm::vec3 from;
   std::uint32_t self;
-  int count = 0;
-  std::array<float, kNeighbors> squares{};
-  std::array<std::uint32_t, kNeighbors> places{};
+  /// Ascending: the bits of the squared distance, which as those of a positive float have its order, above the index.
+  std::array<std::uint64_t, kNeighbors> keys;
 
-  float max_square() const {
-    return count < kNeighbors ? std::numeric_limits<float>::infinity() : squares[kNeighbors - 1];
+  float square(int k) const { return std::bit_cast<float>(std::uint32_t(keys[std::size_t(k)] >> 32)); }
+  std::uint32_t index(int k) const { return std::uint32_t(keys[std::size_t(k)]); }
+  float max_square() const { return square(kNeighbors - 1); }
+
+  void consider(float square, std::uint32_t index) {
+    const std::uint64_t key = std::uint64_t(std::bit_cast<std::uint32_t>(square)) << 32 | index;
+    if (key >= keys.back() || index == self) return;
+    for (std::size_t k = kNeighbors - 1; k > 0; --k) keys[k] = std::min(keys[k], std::max(keys[k - 1], key));
+    keys[0] = std::min(keys[0], key);
   }
+};
 
-  void consider(const glm::vec3* positions, std::uint32_t place) {
-    if (place == self) return;
-    const glm::vec3 away = positions[place] - from;
-    const float square = glm::dot(away, away);
-    if (!(square < max_square())) return;
-    int k = count < kNeighbors ? count++ : kNeighbors - 1;
-    for (; k > 0 && squares[std::size_t(k) - 1] > square; --k) {
-      squares[std::size_t(k)] = squares[std::size_t(k) - 1];
-      places[std::size_t(k)] = places[std::size_t(k) - 1];
+/// Returns the squared distance of two boxes.
+float square_between(const SceneBox& a, const SceneBox& b) {
+  const glm::vec3 gap = glm::max(glm::max(a.low - b.high, b.low - a.high), glm::vec3(0.0f));
+  return glm::dot(gap, gap);
+}
+
+/// Finds the nearest neighbours of points in the order of a k-d tree.
+class NeighborSearch {
+ public:
+  explicit NeighborSearch(const std::vector<glm::vec3>& positions) : positions_(positions) {
+    // One more leaf, since distances are computed for as many points as a leaf may have.
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      coordinates_[axis].resize(positions.size() + TreeRange::kLeaf);
+      for (std::size_t i = 0; i < positions.size(); ++i) coordinates_[axis][i] = positions[i][int(axis)];
     }
-    squares[std::size_t(k)] = square;
-    places[std::size_t(k)] = place;
+    boxes_.resize(4 * positions.size() / TreeRange::kLeaf + 4);
+    set_boxes(0, all());
   }
 
-  void search(const glm::vec3* positions, const std::vector<std::uint8_t>& axes, std::size_t begin, std::size_t end) {
-    if (end - begin <= Tree::kLeaf) {
-      for (std::size_t i = begin; i < end; ++i) consider(positions, std::uint32_t(i));
+  /// Calls visit(nearest) for each point, in parallel.
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    for_each_of(0, all(), visit);
+  }
+
+ private:
+  TreeRange all() const { return {0, std::uint32_t(positions_.size())}; }
+  static std::size_t child(std::size_t node, int half) { return 2 * node + 1 + std::size_t(half); }
+
+  void set_boxes(std::size_t node, const TreeRange& range) {
+    SceneBox& box = boxes_[node];
+    if (range.is_leaf()) {
+      for (std::uint32_t i = range.begin; i < range.end; ++i) extend(box, positions_[i]);
       return;
     }
-    const std::size_t middle = begin + (end - begin) / 2;
-    const float beyond = from[axes[middle]] - positions[middle][axes[middle]];
-    const bool first = beyond < 0.0f;
-    search(positions, axes, first ? begin : middle + 1, first ? middle : end);
-    consider(positions, std::uint32_t(middle));
-    if (beyond * beyond < max_square()) search(positions, axes, first ? middle + 1 : begin, first ? end : middle);
+    range.for_halves([&](int half, const TreeRange& part) { set_boxes(child(node, half), part); });
+    for (const int half : {0, 1})
+      extend(box, boxes_[child(node, half)].low), extend(box, boxes_[child(node, half)].high);
   }
+
+  template <class Visit>
+  void for_each_of(std::size_t node, const TreeRange& range, const Visit& visit) const {
+    if (!range.is_leaf()) {
+      range.for_halves([&](int half, const TreeRange& part) { for_each_of(child(node, half), part, visit); });
+      return;
+    }
+    constexpr std::uint64_t kNone = std::uint64_t(std::bit_cast<std::uint32_t>(std::numeric_limits<float>::infinity()))
+                                    << 32;
+    Leaf leaf{.box = boxes_[node], .range = range};
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+      Nearest& nearest = leaf.nearest[i - range.begin];
+      nearest.from = positions_[i], nearest.self = i;
+      nearest.keys.fill(kNone);
+    }
+    search(leaf, leaf.box, range);
+    search(leaf, 0, all());
+    for (std::uint32_t i = 0; i < range.end - range.begin; ++i) visit(leaf.nearest[i]);
+  }
+
+  /// A leaf whose points search.
+  struct Leaf {
+    SceneBox box;
+    TreeRange range;
+    float max_square = 0.0f;
+    std::array<Nearest, TreeRange::kLeaf> nearest;
+  };
+
+  /// Searches a leaf for those points that may have neighbours there.
+  void search(Leaf& leaf, const SceneBox& box, const TreeRange& range) const {
+    leaf.max_square = 0.0f;
+    for (std::uint32_t i = 0; i < leaf.range.end - leaf.range.begin; ++i) {
+      Nearest& nearest = leaf.nearest[i];
+      leaf.max_square = std::max(leaf.max_square, nearest.max_square());
+      if (square_between({nearest.from, nearest.from}, box) > nearest.max_square()) continue;
+      std::array<float, TreeRange::kLeaf> squares;
+      const float *x = &coordinates_[0][range.begin], *y = &coordinates_[1][range.begin],
+                  *z = &coordinates_[2][range.begin];
+      for (std::uint32_t k = 0; k < TreeRange::kLeaf; ++k) {
+        const float dx = x[k] - nearest.from.x, dy = y[k] - nearest.from.y, dz = z[k] - nearest.from.z;
+        squares[k] = dx * dx + dy * dy + dz * dz;
+      }
+      for (std::uint32_t k = 0; k < range.end - range.begin; ++k)
+        if (squares[k] <= nearest.max_square()) nearest.consider(squares[k], range.begin + k);
+    }
+  }
+
+  /// Searches the other leaves of a node, the nearer half first.
+  void search(Leaf& leaf, std::size_t node, const TreeRange& range) const {
+    if (range.begin == leaf.range.begin && range.end == leaf.range.end) return;
+    if (range.is_leaf()) return search(leaf, boxes_[node], range);
+    const TreeRange halves[] = {{range.begin, range.middle()}, {range.middle(), range.end}};
+    const float squares[] = {square_between(leaf.box, boxes_[child(node, 0)]),
+                             square_between(leaf.box, boxes_[child(node, 1)])};
+    const int first = squares[1] < squares[0];
+    for (const int half : {first, 1 - first})
+      if (squares[half] < leaf.max_square) search(leaf, child(node, half), halves[half]);
+  }
+
+  const std::vector<glm::vec3>& positions_;
+  std::array<std::vector<float>, 3> coordinates_;
+  std::vector<SceneBox> boxes_;  ///< of each node: see child
 };
 
 /// The direction of the smallest variance of points, and the fraction of the total variance in this direction.
@@ -143,23 +226,33 @@ SmallestVariance smallest_variance_of(const glm::dmat3& m) {
   SmallestVariance smallest;
   const double total = m[0][0] + m[1][1] + m[2][2];
   if (!(total > 0.0) || !std::isfinite(total)) return smallest;
-  SymmetricMatrix<3> relative;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) relative[std::size_t(i)][std::size_t(j)] = m[i][j] / total;
-  const EigenSystem<3> eigen = eigen_of(relative);
-  const auto& values = eigen.values;
-  const auto axis = [&](std::size_t k) {
-    const auto& v = eigen.vectors[k];
-    return glm::dvec3(v[0], v[1], v[2]);
+  glm::dmat3 a = m / total;
+  // The least root of its characteristic polynomial, x^3 - x^2 + sum x - determinant, from below by Newton's method.
+  const double sum = a[0][0] * a[1][1] - a[0][1] * a[0][1] + a[0][0] * a[2][2] - a[0][2] * a[0][2] + a[1][1] * a[2][2] -
+                     a[1][2] * a[1][2];
+  const double determinant = glm::determinant(a);
+  constexpr int kMaxSteps = 40;  // a double root halves the error of each step
+  constexpr double kPrecision = 1e-13;
+  double least = 0.0, slope = sum;  // the slope is the product of the differences of the other eigenvalues from it
+  for (int k = 0; k < kMaxSteps && slope > 0.0; ++k) {
+    const double step = (determinant - ((least - 1.0) * least + sum) * least) / slope;
+    if (!(step > kPrecision)) break;
+    least += step;
+    slope = (3.0 * least - 2.0) * least + sum;
+  }
+  smallest.fraction = float(least);
+  for (int axis = 0; axis < 3; ++axis) a[axis][axis] -= least;
+  constexpr double kDistinct = 1e-11;  // min slope
+  const auto longest = [](const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z) {
+    const glm::dvec3& of_two = glm::dot(x, x) >= glm::dot(y, y) ? x : y;
+    return glm::dot(of_two, of_two) >= glm::dot(z, z) ? of_two : z;
   };
-  smallest.fraction = float(std::max(0.0, values[0]));
-  constexpr double kDistinct = 1e-11;  // min product of the differences from the smallest eigenvalue
-  if ((values[1] - values[0]) * (values[2] - values[0]) > kDistinct) {
-    smallest.direction = glm::vec3(axis(0));
-  } else if (values[2] > values[0]) {  // the points lie on a line: choose one of the directions perpendicular to it
-    const glm::dvec3 along = axis(2);
-    const glm::dvec3 other = std::abs(along.x) < std::abs(along.y) ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-    smallest.direction = glm::vec3(glm::normalize(glm::cross(along, other)));
+  if (slope > kDistinct) {
+    smallest.direction =
+        glm::vec3(glm::normalize(longest(glm::cross(a[0], a[1]), glm::cross(a[1], a[2]), glm::cross(a[2], a[0]))));
+  } else if (const glm::dvec3 along = longest(a[0], a[1], a[2]); glm::dot(along, along) > 0.0) {
+    // The points lie on a line: choose one of the directions perpendicular to it.
+    smallest.direction = glm::vec3(glm::normalize(glm::cross(along, axis_beside(glm::normalize(along)))));
   }
   return smallest;
 }
@@ -168,51 +261,52 @@ template <class T>
 void reorder(std::vector<T>& values, const std::vector<IndexedPoint>& order) {
   if (values.empty()) return;
   std::vector<T> ordered(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) ordered[i] = values[order[i].index];
+  tbb::parallel_for(std::size_t(0), order.size(), [&](std::size_t i) { ordered[i] = values[order[i].index]; });
   values = std::move(ordered);
 }
 
-using Offsets = std::array<glm::dvec3, kNeighbors>;
+using Offsets = std::array<glm::vec3, kNeighbors>;
 
 /// Returns the radius of the smallest disc that covers the point's Voronoi cell in the plane perpendicular to `normal`.
 /// Such discs of all points leave no hole. The cell is what remains of a square when each neighbour has cut off the
 /// part that is closer to that neighbour. `spacing` is the mean distance of neighbours.
-double covering_radius(const Offsets& offsets, int count, const glm::dvec3& normal, double spacing) {
-  const glm::dvec3 right = glm::normalize(glm::cross(normal, axis_beside(normal))), up = glm::cross(normal, right);
-  struct Corner {
-    double x, y;
-  };
+float covering_radius(const Offsets& offsets, int count, const glm::vec3& normal, float spacing) {
+  const auto [right, up] = axes_of_disc(normal);
   constexpr int kMaxCorners = 4 + kNeighbors;
-  std::array<Corner, kMaxCorners> cell, cut;
-  const double side = kMaxHoleHalfWidth * spacing;
+  std::array<glm::vec2, kMaxCorners> cell, cut;
+  std::array<float, kMaxCorners> beyond;
+  const float side = kMaxHoleHalfWidth * spacing;
   cell[0] = {-side, -side}, cell[1] = {side, -side}, cell[2] = {side, side}, cell[3] = {-side, side};
   int corners = 4;
   for (int k = 0; k < count; ++k) {
-    const double x = glm::dot(offsets[std::size_t(k)], right), y = glm::dot(offsets[std::size_t(k)], up);
-    const double half = 0.5 * (x * x + y * y);
-    if (!(half > 0.0)) continue;
+    const glm::vec2 toward(glm::dot(offsets[std::size_t(k)], right), glm::dot(offsets[std::size_t(k)], up));
+    const float half = 0.5f * glm::dot(toward, toward);
+    if (!(half > 0.0f)) continue;
+    float farthest = 0.0f;
+    for (int i = 0; i < corners; ++i) {
+      beyond[std::size_t(i)] = glm::dot(cell[std::size_t(i)], toward) - half;
+      farthest = std::max(farthest, beyond[std::size_t(i)]);
+    }
+    if (farthest <= 0.0f) continue;
     int kept = 0;
     for (int i = 0; i < corners; ++i) {
-      const Corner a = cell[std::size_t(i)], b = cell[std::size_t(i + 1 == corners ? 0 : i + 1)];
-      const double beyond_a = a.x * x + a.y * y - half, beyond_b = b.x * x + b.y * y - half;
-      if (beyond_a <= 0.0) cut[std::size_t(kept++)] = a;
-      if ((beyond_a < 0.0 && beyond_b > 0.0) || (beyond_a > 0.0 && beyond_b < 0.0)) {
-        const double fraction = beyond_a / (beyond_a - beyond_b);
-        cut[std::size_t(kept++)] = {a.x + fraction * (b.x - a.x), a.y + fraction * (b.y - a.y)};
-      }
+      const auto a = std::size_t(i), b = std::size_t(i + 1 == corners ? 0 : i + 1);
+      if (beyond[a] <= 0.0f) cut[std::size_t(kept++)] = cell[a];
+      if ((beyond[a] < 0.0f && beyond[b] > 0.0f) || (beyond[a] > 0.0f && beyond[b] < 0.0f))
+        cut[std::size_t(kept++)] = cell[a] + beyond[a] / (beyond[a] - beyond[b]) * (cell[b] - cell[a]);
     }
     std::swap(cell, cut);
     corners = kept;
   }
-  double border_radius = 0.0;
+  float border_radius = 0.0f;
   for (int k = 0; k < std::min(count, kBorderNeighbors); ++k) border_radius += glm::length(offsets[std::size_t(k)]);
-  border_radius *= kBorderRadius / std::min(count, kBorderNeighbors);
-  double radius = 0.0;
+  border_radius *= kBorderRadius / float(std::min(count, kBorderNeighbors));
+  float radius = 0.0f;
   for (int i = 0; i < corners; ++i) {
-    const Corner& c = cell[std::size_t(i)];
+    const glm::vec2 c = cell[std::size_t(i)];
     // This corner is on a side of the square: no neighbour in that direction has cut it off.
-    const bool open = std::max(std::abs(c.x), std::abs(c.y)) >= side * (1.0 - 1e-9);
-    radius = std::max(radius, open ? border_radius : std::hypot(c.x, c.y));
+    const bool open = std::max(std::abs(c.x), std::abs(c.y)) >= side * (1.0f - 1e-6f);
+    radius = std::max(radius, open ? border_radius : glm::length(c));
   }
   return std::min(radius, kMaxDiscRadius * spacing);
 }
@@ -233,42 +327,31 @@ NeighborEstimates neighbor_estimates_of(const Mesh& mesh) {
                               std::vector<SmallestVariance>(size),
                               int(std::min<std::size_t>(kNeighbors, size - 1)),
                               {}};
-  if (estimates.count == 0) return estimates;
-  estimates.neighbors.resize(size * std::size_t(estimates.count));
-  std::vector<IndexedPoint> placed(size);
-  for (std::size_t i = 0; i < size; ++i) placed[i] = {mesh.positions[i], std::uint32_t(i)};
-  const Tree tree(std::move(placed));
-  std::vector<glm::vec3> positions(size);
-  for (std::size_t i = 0; i < size; ++i) positions[i] = tree.points[i].position;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, size, 1024), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      Nearest nearest{.from = positions[i], .self = std::uint32_t(i)};
-      nearest.search(positions.data(), tree.axes, 0, size);
-      const std::size_t out = tree.points[i].index;
-      // The disc around a point whose radius is the distance of the farthest of n neighbours has n times the area of
-      // the surface per point.
-      const double reach = std::sqrt(double(nearest.squares[std::size_t(nearest.count) - 1]));
-      const double spacing = reach * std::sqrt(std::numbers::pi / nearest.count);
-      estimates.spacing[out] = float(spacing);
-      glm::dvec3 sum(0.0);
-      Offsets offsets;
-      for (int k = 0; k < nearest.count; ++k) {
-        offsets[std::size_t(k)] = glm::dvec3(positions[nearest.places[std::size_t(k)]]) - glm::dvec3(positions[i]);
-        sum += offsets[std::size_t(k)];
-        estimates.neighbors[out * std::size_t(estimates.count) + std::size_t(k)] =
-            tree.points[nearest.places[std::size_t(k)]].index;
-      }
-      const glm::dvec3 middle = sum / double(nearest.count + 1);
-      glm::dmat3 variance = glm::outerProduct(middle, middle);  // contribution of the point itself
-      for (int k = 0; k < nearest.count; ++k) {
-        const glm::dvec3 away = offsets[std::size_t(k)] - middle;
-        variance += glm::outerProduct(away, away);
-      }
-      estimates.planes[out] = smallest_variance_of(variance);
-      const glm::vec3 own = mesh.normals.empty() ? glm::vec3(0.0f) : mesh.normals[out];
-      const glm::vec3 normal = own == glm::vec3(0.0f) ? estimates.planes[out].direction : own;
-      estimates.cover[out] = float(covering_radius(offsets, nearest.count, glm::dvec3(normal), spacing));
+  const int count = estimates.count;
+  if (count == 0) return estimates;
+  estimates.neighbors.resize(size * std::size_t(count));
+  NeighborSearch(mesh.positions).for_each([&](const Nearest& nearest) {
+    const std::size_t i = nearest.self;
+    const float reach = std::sqrt(nearest.square(count - 1)), scale = reach > 0.0f ? 1.0f / reach : 0.0f;
+    // The disc around a point whose radius is the distance of the farthest of n neighbours has n times the area of
+    // the surface per point.
+    const float spacing = std::sqrt(std::numbers::pi_v<float> / float(count));  // in units of the reach, as all here
+    Offsets offsets;
+    glm::dvec3 sum(0.0);
+    glm::dmat3 variance(0.0);
+    for (int k = 0; k < count; ++k) {
+      const std::uint32_t other = nearest.index(k);
+      estimates.neighbors[i * std::size_t(count) + std::size_t(k)] = other;
+      offsets[std::size_t(k)] = (mesh.positions[other] - nearest.from) * scale;
+      const glm::dvec3 away(offsets[std::size_t(k)]);
+      sum += away;
+      variance += glm::outerProduct(away, away);
     }
+    estimates.spacing[i] = spacing * reach;
+    estimates.planes[i] = smallest_variance_of(variance - glm::outerProduct(sum, sum) / double(count + 1));
+    const glm::vec3 own = mesh.normals.empty() ? glm::vec3(0.0f) : mesh.normals[i];
+    const glm::vec3 normal = own == glm::vec3(0.0f) ? estimates.planes[i].direction : own;
+    estimates.cover[i] = reach * covering_radius(offsets, count, normal, spacing);
   });
   return estimates;
 }
@@ -308,7 +391,7 @@ std::size_t clean_points(Mesh& mesh) {
   order.erase(std::unique(order.begin(), order.end(),
                           [](const IndexedPoint& a, const IndexedPoint& b) { return a.position == b.position; }),
               order.end());
-  order = Tree(std::move(order)).points;
+  order_as_tree(order, {0, std::uint32_t(order.size())});
   reorder(mesh.positions, order);
   reorder(mesh.normals, order);
   reorder(mesh.colors, order);

@@ -41,8 +41,6 @@ bool contains(const SceneBox& box, const SceneBox& other) {
   return contains(box, other.low) && contains(box, other.high);
 }
 
-void extend(SceneBox& box, const glm::vec3& p) { box = {glm::min(box.low, p), glm::max(box.high, p)}; }
-
 /// Calls visit(mesh, box, corners) for each triangle and point; `corners`: three indices of vertices; null for a point.
 template <class Visit>
 void for_each_item(const Scene& scene, Visit visit) {

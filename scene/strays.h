@@ -1,12 +1,15 @@
 // Bounds of a scene that disregard stray points and parts, which would make everything else tiny in the picture.
 #pragma once
 #include <cstddef>
+#include <glm/common.hpp>
 #include <string>
 
 #include "scene/finish.h"
 #include "scene/scene.h"
 
 namespace umbrage {
+
+inline void extend(SceneBox& box, const glm::vec3& p) { box = {glm::min(box.low, p), glm::max(box.high, p)}; }
 
 /// What is far from nearly all of the scene.
 struct Strays {
