@@ -260,13 +260,64 @@ glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
   return sample_filtered(texture, footprint_of(texture, uv, right, down));
 }
 
-float sample_alpha(const MipTexture& texture, glm::vec2 uv) {
-  const MipLevel& level = texture.levels[0];
-  const Bilinear b = bilinear_at(level, fraction_from_top_left(texture, uv));
-  const auto alpha = [&](int x, int y) { return float(bytes_of(level, x, y)[3]); };
+namespace {
+
+constexpr int kRangeSide = 16;  // of a square of texels with one alpha range
+
+int range_columns(const MipLevel& level) { return (level.width + kRangeSide - 1) / kRangeSide; }
+
+/// Returns the alpha of a texel, in 255ths.
+std::uint8_t alpha_of(const MipLevel& level, int x, int y) {
+  return level.rgba[(std::size_t(y) * std::size_t(level.width) + std::size_t(x)) * 4 + 3];
+}
+
+float bilinear_alpha(const MipLevel& level, const Bilinear& b) {
+  const auto alpha = [&](int x, int y) { return float(alpha_of(level, x, y)); };
   const float top = alpha(b.x0, b.y0) * (1.0f - b.fx) + alpha(b.x1, b.y0) * b.fx;
   const float bottom = alpha(b.x0, b.y1) * (1.0f - b.fx) + alpha(b.x1, b.y1) * b.fx;
   return (top * (1.0f - b.fy) + bottom * b.fy) / 255.0f;
+}
+
+}  // namespace
+
+float sample_alpha(const MipTexture& texture, glm::vec2 uv) {
+  return bilinear_alpha(texture.levels[0], bilinear_at(texture.levels[0], fraction_from_top_left(texture, uv)));
+}
+
+void add_alpha_ranges(MipTexture& texture) {
+  const MipLevel& level = texture.levels[0];
+  const int columns = range_columns(level), rows = (level.height + kRangeSide - 1) / kRangeSide;
+  texture.alpha_ranges.assign(std::size_t(columns) * std::size_t(rows), {});
+  // Bilinear sampling reads the next texels, too, also beyond the square.
+  const auto end_of = [](int begin, int size) { return std::min(begin + kRangeSide, size) + 1; };
+  tbb::parallel_for(0, rows, [&](int row) {
+    AlphaRange* range = &texture.alpha_ranges[std::size_t(row) * std::size_t(columns)];
+    for (int x0 = 0, y0 = row * kRangeSide; x0 < level.width; x0 += kRangeSide, ++range)
+      for (int y = y0; y < end_of(y0, level.height); ++y)
+        for (int x = x0; x < end_of(x0, level.width); ++x) {
+          const std::uint8_t alpha = alpha_of(level, x % level.width, y % level.height);
+          range->min = std::min(range->min, alpha);
+          range->max = std::max(range->max, alpha);
+        }
+  });
+}
+
+AlphaRange whole_range(const MipTexture& texture) {
+  AlphaRange whole;
+  for (const AlphaRange& range : texture.alpha_ranges)
+    whole = {std::min(whole.min, range.min), std::max(whole.max, range.max)};
+  return whole;
+}
+
+bool alpha_reaches(const MipTexture& texture, glm::vec2 uv, float opacity, float bound) {
+  constexpr float kRounding = 1e-6f;  // of bilinear_alpha, relative
+  const MipLevel& level = texture.levels[0];
+  const Bilinear b = bilinear_at(level, fraction_from_top_left(texture, uv));
+  const AlphaRange range =
+      texture.alpha_ranges[std::size_t(b.y0 / kRangeSide * range_columns(level) + b.x0 / kRangeSide)];
+  if (kUnitFromByte[range.min] * (1.0f - kRounding) * opacity >= bound) return true;
+  if (kUnitFromByte[range.max] * (1.0f + kRounding) * opacity < bound) return false;
+  return bilinear_alpha(level, b) * opacity >= bound;
 }
 
 }  // namespace umbrage

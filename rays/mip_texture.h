@@ -19,11 +19,17 @@ struct MipLevel {
   bool clamped = false;                ///< as in Texture
 };
 
+/// The smallest and the largest alpha of some texels, in 255ths.
+struct AlphaRange {
+  std::uint8_t min = 255, max = 0;
+};
+
 /// A texture with all its levels.
 struct MipTexture {
   std::vector<MipLevel> levels;                         ///< the first is the texture itself, the last is 1 x 1
   bool linear = false;                                  ///< as in Texture
   std::vector<std::unique_ptr<std::uint8_t[]>> rgba{};  ///< of all levels but the first
+  std::vector<AlphaRange> alpha_ranges{};               ///< by add_alpha_ranges; empty: none
 };
 
 /// Creates the mip levels with all threads. Averages in linear light, weighted by alpha, so that the colour of cut-out
@@ -51,5 +57,13 @@ glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
 
 /// Returns the alpha of the finest level at `uv`, bilinear.
 float sample_alpha(const MipTexture& texture, glm::vec2 uv);
+
+/// Finds the ranges of alpha that alpha_reaches reads, of squares of texels of the finest level.
+void add_alpha_ranges(MipTexture& texture);
+/// Returns the range of alpha of the whole texture. It must have alpha ranges.
+AlphaRange whole_range(const MipTexture& texture);
+/// Returns whether sample_alpha(texture, uv) * opacity >= bound. Reads texels only where the range of those around `uv`
+/// contains the bound. The texture must have alpha ranges; `opacity` >= 0.
+bool alpha_reaches(const MipTexture& texture, glm::vec2 uv, float opacity, float bound);
 
 }  // namespace umbrage

@@ -26,9 +26,8 @@ namespace {
 // camera; float positions are accurate to 6e-8 of their size.
 constexpr float kStartOffset = 4e-6f;
 
-bool is_masked(const TracedScene& traced, const Mesh& mesh) {
-  const Material& material = traced.scene->materials[mesh.material];
-  return material.blended || (material.alpha_mask && material.texture != kNoTexture && !mesh.uvs.empty());
+glm::vec2 interpolated(const std::array<glm::vec2, 3>& uvs, float u, float v) {
+  return uvs[0] * (1.0f - u - v) + uvs[1] * u + uvs[2] * v;
 }
 
 /// Returns the alpha of the mesh's texture; 1 if it has none.
@@ -41,16 +40,18 @@ float alpha_at(const TracedScene& traced, const Mesh& mesh, unsigned triangle, f
 /// Filter function of Embree: rejects hits where the texture's alpha is below the cutoff, or the opacity of a blended
 /// surface below that of the context.
 void cut_away(const RTCFilterFunctionNArguments* args) {
-  const auto& traced = *static_cast<const TracedScene*>(args->geometryUserPtr);
-  const float min_opacity = reinterpret_cast<const RayContext*>(args->context)->min_opacity;
+  const auto& cut_out = *static_cast<const CutOut*>(args->geometryUserPtr);
+  const float bound =
+      cut_out.blended ? reinterpret_cast<const RayContext*>(args->context)->min_opacity : cut_out.cutoff;
   for (unsigned k = 0; k < args->N; ++k) {
     if (args->valid[k] == 0) continue;
-    const Mesh& mesh = traced.scene->meshes[RTCHitN_geomID(args->hit, args->N, k)];
-    const Material& material = traced.scene->materials[mesh.material];
-    const float alpha = alpha_at(traced, mesh, RTCHitN_primID(args->hit, args->N, k), RTCHitN_u(args->hit, args->N, k),
-                                 RTCHitN_v(args->hit, args->N, k));
-    const bool cut = material.blended ? alpha * material.opacity < min_opacity : alpha < material.alpha_cutoff;
-    if (cut) args->valid[k] = 0;
+    bool reaches = cut_out.opacity >= bound;
+    if (cut_out.texture) {
+      const auto& uvs = cut_out.uvs[RTCHitN_primID(args->hit, args->N, k)];
+      const float u = RTCHitN_u(args->hit, args->N, k), v = RTCHitN_v(args->hit, args->N, k);
+      reaches = alpha_reaches(*cut_out.texture, interpolated(uvs, u, v), cut_out.opacity, bound);
+    }
+    if (!reaches) args->valid[k] = 0;
   }
 }
 
@@ -65,7 +66,7 @@ glm::vec3 unit(glm::vec3 v) {
 
 glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v) {
   const std::uint32_t* i = mesh.indices.data() + std::size_t(triangle) * 3;
-  return mesh.uvs[i[0]] * (1.0f - u - v) + mesh.uvs[i[1]] * u + mesh.uvs[i[2]] * v;
+  return interpolated({mesh.uvs[i[0]], mesh.uvs[i[1]], mesh.uvs[i[2]]}, u, v);
 }
 
 float opacity_at(const TracedScene& traced, const Mesh& mesh, unsigned triangle, float u, float v) {
@@ -173,6 +174,24 @@ bool set_triangles(const TracedScene& traced, const Mesh& mesh, RTCGeometry geom
   return true;
 }
 
+/// Stores what alpha cuts out of a mesh. Returns false if that is nothing.
+bool set_cut_out(const Mesh& mesh, const Material& material, std::vector<MipTexture>& textures, CutOut& out) {
+  const bool textured = material.texture != kNoTexture && !mesh.uvs.empty();
+  if (!material.blended && !(material.alpha_mask && textured)) return false;
+  if (material.blended) out = {.blended = true, .opacity = material.opacity};
+  if (!textured) return true;
+  MipTexture& texture = textures[std::size_t(material.texture)];
+  if (texture.alpha_ranges.empty()) add_alpha_ranges(texture);
+  if (!material.blended) {
+    out.cutoff = material.alpha_cutoff;
+    if (float(whole_range(texture).min) / 255.0f >= out.cutoff) return false;
+  }
+  out.texture = &texture;
+  out.uvs.resize(mesh.indices.size() / 3);
+  for (std::size_t k = 0; k < mesh.indices.size(); ++k) out.uvs[k / 3][k % 3] = mesh.uvs[mesh.indices[k]];
+  return true;
+}
+
 bool set_points(const TracedScene& traced, const Mesh& mesh, RTCGeometry geometry) {
   const std::size_t count = mesh.positions.size();
   auto* points = static_cast<glm::vec4*>(
@@ -214,6 +233,7 @@ Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMoni
     if (!watch.ended()) traced->textures[std::size_t(used[k])] = make_mips(scene.textures[std::size_t(used[k])]);
   });
   if (watch.ended()) return interrupted();
+  traced->cut_outs.resize(scene.meshes.size());
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     watch.reached(0.0);
     if (watch.ended()) return interrupted();
@@ -226,8 +246,9 @@ Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMoni
       rtcReleaseGeometry(geometry);
       return build_error(scene, RTC_ERROR_OUT_OF_MEMORY);
     }
-    rtcSetGeometryUserData(geometry, traced.get());
-    if (is_masked(*traced, mesh)) {
+    const Material& material = scene.materials[std::size_t(mesh.material)];
+    if (CutOut& cut_out = traced->cut_outs[m]; set_cut_out(mesh, material, traced->textures, cut_out)) {
+      rtcSetGeometryUserData(geometry, &cut_out);
       rtcSetGeometryIntersectFilterFunction(geometry, cut_away);
       rtcSetGeometryOccludedFilterFunction(geometry, cut_away);
     }

@@ -1,6 +1,7 @@
 // A scene prepared for ray tracing: Embree's hierarchy, filtered textures, and the surface at a ray's hit. Used by
 // captures on the CPU and by the ground-truth path tracer.
 #pragma once
+#include <array>
 #include <cmath>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -15,6 +16,14 @@
 
 namespace umbrage {
 
+/// What alpha cuts out of a mesh, and how opaque the rest is.
+struct CutOut {
+  const MipTexture* texture = nullptr;        ///< with alpha ranges; null: alpha is 1
+  std::vector<std::array<glm::vec2, 3>> uvs;  ///< of each triangle together, so that a test reads one cache line
+  bool blended = false;
+  float opacity = 1.0f, cutoff = 0.0f;  ///< (blended) opacity; (not blended) alpha below which texels are cut out
+};
+
 /// A scene in unit space: Embree gets the scene moved to the origin and scaled to about unit size, since products of
 /// four edge lengths exceed the range of floats for a scene of micrometres or of light years. The scale is a power of
 /// two, so scaling is exact.
@@ -24,6 +33,7 @@ struct TracedScene {
   RTCScene rtc = nullptr;
   int width = 8;                     ///< packet_width of the device
   std::vector<MipTexture> textures;  ///< those that rays cannot read are without levels
+  std::vector<CutOut> cut_outs;      ///< one per mesh, empty for those without holes
   glm::vec3 center{0.0f};
   float scale = 1.0f;  ///< units of unit space per scene unit
 

@@ -148,13 +148,15 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
       to_light.set(k, start, where - start, 0.0f, 1.0f);
     }
   }
+  // Rays to points all over a light are hardly coherent.
+  const Coherence coherence = soft ? Coherence::kIncoherent : Coherence::kCoherent;
   if (!soft || !surfaces.softened || std::max(penumbra.across, penumbra.down) <= kNarrowPenumbra) {
-    to_light.find_blocked(drawing.traced, Coherence::kCoherent, kMinShadowOpacity);
+    to_light.find_blocked(drawing.traced, coherence, kMinShadowOpacity);
     for (int k = 0; k < kPacket; ++k)
       if (to_light.arrives(k)) lit[k] += 1.0f;
     return;
   }
-  to_light.find_hits(drawing.traced, Coherence::kCoherent, kMinShadowOpacity);
+  to_light.find_hits(drawing.traced, coherence, kMinShadowOpacity);
   for (int k = 0; k < kPacket; ++k) {
     if (!to_light.is_set(k)) continue;
     if (!to_light.hit(k)) {
