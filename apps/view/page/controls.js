@@ -271,8 +271,8 @@ export function row(entry, label, access, testid) {
     element(
       "label",
       { for: id, id: `${id}_label` },
-      label,
-      unit && !is_short && unit !== "%" ? element("span", { class: "unit", text: ` ${unit}` }) : null,
+      `${label} `,
+      unit && !is_short && unit !== "%" ? element("span", { class: "unit", text: unit }) : null,
     ),
     element(
       "div",

@@ -204,7 +204,7 @@ function show_hint() {
     texts = is_flat()
       ? ["Drag to move", zoom, "double click to fit"]
       : ["Drag to turn", zoom, "double click to centre"];
-  by_id("hint_text").textContent = texts.join(" · ");
+  by_id("hint_text").textContent = texts.join("\u00a0· ");
 }
 
 function show_summary() {
