@@ -52,6 +52,7 @@ std::string model_text(int model, const ModelFacts& facts, const std::optional<V
                       {"camera-view-angle", fmt::format("{}", camera->view_angle_deg)},
                       {"camera-orthographic", camera->orthographic ? "true" : "false"}};
     json["center"] = {facts.center.x, facts.center.y, facts.center.z};
+    json["extent"] = {facts.extent.x, facts.extent.y, facts.extent.z};
     json["radius"] = facts.radius;
     json["up"] = {facts.up.x, facts.up.y, facts.up.z};
   } else {

@@ -154,6 +154,7 @@ Result<std::unique_ptr<ViewModel>> ViewModel::load(const std::string& file, bool
   facts.summary = size_text(model->scene_);
   facts.warnings = model->scene_.warnings;
   facts.center = model->scene_.origin + glm::dvec3(model->scene_.center());
+  facts.extent = glm::dvec3(model->scene_.bounds_max - model->scene_.bounds_min);
   facts.radius = model->scene_.radius();
   facts.up = model->scene_.up;
   return model;

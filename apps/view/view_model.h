@@ -43,7 +43,7 @@ struct DrawControl {
 struct ModelFacts {
   std::string summary;  ///< "69,666 triangles"
   std::vector<std::string> warnings;
-  glm::dvec3 center{0.0};
+  glm::dvec3 center{0.0}, extent{0.0};  ///< of the bounding box
   double radius = 1.0;
   glm::vec3 up{0.0f, 1.0f, 0.0f};
   int width = 0, height = 0;  ///< of a G-buffer, pixels; else 0

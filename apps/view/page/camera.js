@@ -2,7 +2,7 @@
 // {focal, right, up, back: unit axes, back points from the focal point to the eye, distance, angle_deg, orthographic}.
 // A scene is {center, radius, up}; sizes are [width, height] of the picture and dx, dy, x, y are in the same unit, from
 // the upper left corner.
-import { plus, minus, times, dot, cross, length, unit, turned, perpendicular, parse_vector, number_text, vector_text, clamp, radians } from "./math.js";
+import { plus, minus, times, dot, cross, length, unit, turned, perpendicular, parse_vector, number_text, vector_text, clamp, degrees, radians } from "./math.js";
 
 const kOrbitPerSide = Math.PI; // angle of a drag over the shorter side of the picture
 const kMargin = 1.0; // of the bounding sphere, which few models fill
@@ -76,6 +76,17 @@ export function point_under(camera, at, size) {
   return plus(camera.focal, plus(times(camera.right, x), times(camera.up, y)));
 }
 
+/// Returns the place of a point in the picture, or null if it is not in front of the camera.
+export function place_of_point(camera, point, size) {
+  const [width, height] = window_of(camera, size),
+    from_focal = minus(point, camera.focal);
+  const nearer = camera.orthographic ? 1 : 1 - dot(from_focal, camera.back) / camera.distance;
+  if (!(nearer > 0)) return null;
+  const x = dot(from_focal, camera.right) / (width * nearer),
+    y = dot(from_focal, camera.up) / (height * nearer);
+  return [(0.5 + x) * size[0], (0.5 - y) * size[1]];
+}
+
 /// Multiplies the distance by `factor`; the point under `at` stays where it is in the picture.
 export function zoomed(camera, at, factor, size, scene) {
   const distance = clamp(camera.distance * factor, scene.radius * 1e-5, scene.radius * 1e4);
@@ -100,6 +111,13 @@ export function fitted(camera, size, scene) {
   const radius = scene.radius * kMargin;
   const distance = camera.orthographic ? radius / Math.tan(narrow) : radius / Math.sin(narrow);
   return { ...camera, focal: scene.center, distance };
+}
+
+/// Returns the camera with which a picture of `size` shows all that one of the size `seen` does, about the same middle.
+export function framed(camera, size, seen) {
+  const wider = seen[0] / seen[1] / (size[0] / size[1]);
+  if (wider <= 1) return camera;
+  return { ...camera, angle_deg: 2 * degrees(Math.atan(Math.tan(radians(camera.angle_deg) / 2) * wider)) };
 }
 
 /// Returns the axes of the model: its up direction, its front and its right side. Y up looks at +Z, Z up at -Y.

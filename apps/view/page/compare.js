@@ -1,6 +1,7 @@
 // The section that compares two states of one view: A, and B or the ray-traced reference.
 import { element, section, segments, by_id, announce } from "./dom.js";
 import { state, hooks, copy_of, side_edited, kComparisons, kGains } from "./state.js";
+import { name_of, device_name } from "./names.js";
 import { draw, stage, update_flicker } from "./stage.js";
 
 let modes = null,
@@ -52,11 +53,11 @@ export function compare_section() {
     "Compare",
     "compare",
     [
-      ["off", "off"],
+      ["off", "Off"],
       ["b", "B", "show B alone"],
-      ["divider", "divider"],
-      ["flicker", "flicker"],
-      ["difference", "difference"],
+      ["divider", "Halves", "A to the left of a divider, B to its right"],
+      ["flicker", "In turn", "show A and B one after the other"],
+      ["difference", "Difference", "show how much B differs from A"],
     ],
     set_comparison,
   );
@@ -70,7 +71,7 @@ export function compare_section() {
     edit_side,
   );
   gain = segments(
-    "Difference times",
+    "Difference, times",
     "gain",
     kGains.map((factor) => [String(factor), String(factor)]),
     (value) => {
@@ -92,7 +93,7 @@ export function compare_section() {
     },
     element("option", { value: "", text: "as started" }),
     ...(state.hello.devices ?? []).map((entry) =>
-      element("option", { value: entry.name, text: entry.name, title: entry.summary }),
+      element("option", { value: entry.name, text: device_name(`${entry.name}: ${entry.summary}`), title: entry.name }),
     ),
   );
   return section(
@@ -113,7 +114,7 @@ export function compare_section() {
     element(
       "div",
       { class: "row wide" },
-      element("label", { for: "device", text: "Device" }),
+      element("label", { for: "device", text: name_of("option", "device") }),
       element("div", { class: "control" }, device),
     ),
   );

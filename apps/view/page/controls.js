@@ -1,10 +1,13 @@
-// One row of the panel for one entry of the program's tables: {name, help, unit, initial, kind, min, max, choices}.
-import { element, new_id } from "./dom.js";
+// One row of the panel for one entry of the program's tables: {name, technical, help, unit, initial, kind, min, max,
+// choices}.
+import { element, new_id, is_typed } from "./dom.js";
+import { choice_name } from "./names.js";
 import { clamp, slider_text } from "./math.js";
 
 const kWide = 50; // ratio of max and min from which a slider is logarithmic
 const kLowDefault = 0.35; // place of a default, of the range, below which the slider is bent to have it in the middle
-const kUnits = { deg: "°", "scene units": "", px: "px", "%": "%", stops: "stops", s: "s" };
+const kUnits = { deg: "°", "scene units": "units of the file" };
+const kLengthUnits = { "scene units": "% or units", px: "% or px", "%": "%" }; // a number without % is the latter
 
 /// Returns functions between a value and the place of the slider's thumb, 0 to 1. Wide positive ranges are logarithmic;
 /// ranges from 0 have their default in the middle; wide symmetric ranges are finer around 0.
@@ -89,7 +92,7 @@ function number_control(entry, id, describe, change, radius) {
     parts.unshift(slider);
   }
   const show = (text) => {
-    if (document.activeElement !== box || text === undefined) box.value = text ?? "";
+    if (!is_typed(box) || text === undefined) box.value = text ?? "";
     if (!slider) return;
     const value = slider_number(entry, text ?? entry.initial, radius());
     const place = Number.isNaN(value) ? 0.5 : clamp(scale.place(value), 0, 1);
@@ -107,8 +110,10 @@ function choice_control(entry, id, describe, change) {
     "aria-describedby": describe,
     on_change: () => change(select.value || undefined, false),
   });
-  if (!has_initial) select.append(element("option", { value: "", text: entry.initial || "default" }));
-  for (const choice of entry.choices) select.append(element("option", { value: choice, text: choice }));
+  if (!has_initial) select.append(element("option", { value: "", text: entry.initial?.replace(/^auto: /, "") || "default" }));
+  const full = entry.set ?? entry.name;
+  for (const choice of entry.choices)
+    select.append(element("option", { value: choice, text: choice_name(full, choice), title: choice }));
   return { parts: [select], show: (text) => (select.value = text ?? (has_initial ? entry.initial : "")) };
 }
 
@@ -167,7 +172,7 @@ function color_control(entry, id, describe, change) {
     on_change: () => change(box.value.trim() || undefined, false),
   });
   const show = (text) => {
-    if (document.activeElement !== box || text === undefined) box.value = text ?? "";
+    if (!is_typed(box) || text === undefined) box.value = text ?? "";
     well.value = hex_of(text) ?? "#808080";
     well.classList.toggle("empty", text === undefined);
   };
@@ -186,7 +191,7 @@ function text_control(entry, id, describe, change) {
   });
   return {
     parts: [box],
-    show: (text) => (document.activeElement !== box || text === undefined ? (box.value = text ?? "") : 0),
+    show: (text) => (!is_typed(box) || text === undefined ? (box.value = text ?? "") : 0),
   };
 }
 
@@ -257,16 +262,17 @@ export function row(entry, label, access, testid) {
       control.parts[0].focus();
     },
   });
-  const unit = kUnits[entry.unit] ?? entry.unit,
+  const unit = (entry.kind === "length" ? kLengthUnits : kUnits)[entry.unit] ?? entry.unit,
+    tooltip = `${entry.help}\n${entry.technical}`,
     is_short = unit?.length === 1 && control.has_slider && !entry.initial?.endsWith(unit);
   const root = element(
     "div",
-    { class: "row", "data-testid": testid, "data-kind": entry.kind, title: entry.help },
+    { class: "row", "data-testid": testid, "data-kind": entry.kind, title: tooltip },
     element(
       "label",
       { for: id, id: `${id}_label` },
-      label,
-      unit && !is_short && unit !== "%" ? element("span", { class: "unit", text: ` ${unit}` }) : null,
+      `${label} `,
+      unit && !is_short && unit !== "%" ? element("span", { class: "unit", text: unit }) : null,
     ),
     element(
       "div",

@@ -36,6 +36,12 @@ export function segments(label, name, entries, chosen) {
   return { root, show: (value) => inputs.forEach((input) => (input.checked = input.value === (value ?? ""))) };
 }
 
+let typed = null;
+/// Whether the text in a box has been changed and not yet been taken.
+export const is_typed = (box) => typed === box;
+addEventListener("input", (event) => (typed = event.target), true);
+addEventListener("change", () => (typed = null), true);
+
 /// Makes a section of the panel that opens and closes.
 export function section(id, title, is_open, ...children) {
   const head = element("summary", {}, element("h2", { text: title }));
@@ -88,6 +94,21 @@ export function download(blob, name) {
   const link = element("a", { href: URL.createObjectURL(blob), download: name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+}
+
+/// Keeps a choice of the user for the next visit. A sandboxed frame has no storage: it lasts as long as the page.
+export function keep(name, text) {
+  try {
+    localStorage.setItem(`umbrage-${name}`, text);
+  } catch {}
+}
+
+export function kept(name) {
+  try {
+    return localStorage.getItem(`umbrage-${name}`) ?? "";
+  } catch {
+    return "";
+  }
 }
 
 /// Puts a text on the clipboard. Pages that are not secure have no clipboard but execCommand.

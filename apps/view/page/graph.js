@@ -10,7 +10,7 @@ let drawn = null;
 export function times_section() {
   return section(
     "times",
-    "Time",
+    "Drawing time",
     false,
     element("div", { id: "stack", role: "img" }),
     element("ol", { id: "stages" }),

@@ -1,8 +1,8 @@
 // Pointer, wheel, touch and keys. `act` has the actions:
-//   gesture(change): camera -> camera, with (size, scene); flat(dx, dy, factor, at) of a G-buffer; pivot(at);
-//   hold(is_held): Shift; tap(name): a key of flying that was let go at once; key(event): returns whether the key has a
-//   meaning; fly(move): right, up and forward, of this instant.
-import { by_id } from "./dom.js";
+//   gesture(change): camera -> camera, with (size, scene); flat(dx, dy, factor, at) of a G-buffer; pivot(at); click(at);
+//   hold(is_held): Shift; tap(name): a key of flying that was let go at once; key(event) and command(event), the latter
+//   with Ctrl: return whether the key has a meaning; fly(move): right, up and forward, of this instant.
+import { by_id, is_typed, keep, kept } from "./dom.js";
 import { size_shown } from "./stage.js";
 import { orbited, panned, zoomed } from "./camera.js";
 import { is_flat } from "./state.js";
@@ -14,6 +14,7 @@ const kWheelPerPixel = 0.0015, // logarithm of the zoom factor; 15 % for the usu
   kMaxPixels = 400, // of one event, which a fast wheel exceeds
   kPinchFactor = 6, // a pinch on a touchpad comes as a wheel with Ctrl, in small steps
   kMaxStep_s = 0.1, // of flying: a late frame makes no leap
+  kMaxClick = 4, // movement of a press that is no drag, CSS pixels
   kHold_ms = 160,
   kFlyPerSecond = 0.7;
 const kFlyKeys = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], r: [0, 1, 0], v: [0, -1, 0] };
@@ -49,11 +50,13 @@ function attach_pointer(act, shift) {
   const canvas = by_id("picture"),
     points = new Map();
   let button = 0,
-    is_pan = false;
+    is_pan = false,
+    began = [0, 0];
   canvas.addEventListener("pointerdown", (event) => {
     canvas.focus({ preventScroll: true });
     canvas.setPointerCapture(event.pointerId);
-    points.set(event.pointerId, place_in_picture(event));
+    began = place_in_picture(event);
+    points.set(event.pointerId, began);
     button = event.button;
     is_pan = button === 2 || event.shiftKey;
     if (is_pan) shift.cancel();
@@ -76,6 +79,10 @@ function attach_pointer(act, shift) {
   canvas.addEventListener("pointercancel", release);
   canvas.addEventListener("lostpointercapture", release);
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener("click", (event) => {
+    const [x, y] = place_in_picture(event);
+    if (Math.hypot(x - began[0], y - began[1]) < kMaxClick) act.click([x, y]);
+  });
   canvas.addEventListener("dblclick", (event) => act.pivot(place_in_picture(event)));
   canvas.addEventListener(
     "wheel",
@@ -155,8 +162,15 @@ function attach_keys(act, shift) {
   addEventListener("keydown", (event) => {
     const taken = taken_by(event.target);
     const types = taken === "all" && !event.target.matches("select");
-    if (event.key === "Shift" && !types && !event.repeat) return shift.down();
+    const is_command = (event.ctrlKey || event.metaKey) && !event.altKey;
+    if (event.key === "Shift" && !types && !event.repeat && !is_command) return shift.down();
     shift.cancel();
+    // In a text that is being typed, Undo and Redo are the browser's.
+    const is_text_key = is_typed(event.target) && event.key.toLowerCase() !== "s";
+    if (is_command && !is_text_key && !document.querySelector("dialog[open]") && act.command(event)) {
+      event.preventDefault();
+      return;
+    }
     if (event.key === "Escape" && !document.querySelector("dialog[open]")) return by_id("picture").focus();
     if (taken === "all" || (taken === "some" && kNative.test(event.key)) || event.altKey || event.metaKey) return;
     if (document.querySelector("dialog[open]") && event.key.toLowerCase() !== "h") return;
@@ -177,7 +191,22 @@ function attach_keys(act, shift) {
   });
 }
 
+/// Says how to move the view, until the first gesture on the first visit.
+function attach_hint() {
+  const picture = by_id("picture"),
+    hint = by_id("hint");
+  const end = () => {
+    if (!hint.hidden) keep("hint", "seen");
+    hint.hidden = true;
+  };
+  hint.hidden = kept("hint") !== "";
+  by_id("hint_close").addEventListener("click", end);
+  picture.addEventListener("pointermove", (event) => event.buttons && end());
+  picture.addEventListener("wheel", end, { passive: true });
+}
+
 export function attach_hands(act) {
+  attach_hint();
   const shift = new_shift(act);
   attach_pointer(act, shift);
   attach_keys(act, shift);

@@ -1,10 +1,14 @@
 // What each key does, apart from flying and Shift (hands.js), and the sheet that lists the keys.
-import { by_id, announce, element } from "./dom.js";
-import { state, hooks, side_edited, look_of, technique_of, is_flat } from "./state.js";
+import { by_id, announce, element, keep, kept } from "./dom.js";
+import { state, hooks, side_edited, look_of, technique_of, is_flat, scene_now } from "./state.js";
 import { set_option, set_parameter, effects_in_use } from "./panels.js";
+import { name_of, choice_name } from "./names.js";
 import { fitted } from "./camera.js";
 import { next_comparison, keep_as_b, set_comparison } from "./compare.js";
 import { move_by_key, zoom_by_key } from "./hands.js";
+import { toggle_measure } from "./measure.js";
+import { undo, redo } from "./steps.js";
+import { save } from "./take.js";
 
 const kArrows = { arrowleft: [-1, 0], arrowright: [1, 0], arrowup: [0, -1], arrowdown: [0, 1] };
 let occlusion_before; // the technique that Q turns back on
@@ -16,19 +20,19 @@ function toggle_occlusion() {
     occlusion_before = side.options.ao;
     set_option("ao", "none");
   }
-  announce(`Occlusion: ${technique_of(side)}`);
+  announce(`Ambient shadow: ${name_of("effect", technique_of(side))}`);
 }
 
 export function toggle_anti_aliasing() {
   const is_off = side_edited().options["anti-aliasing"] === "1";
   set_option("anti-aliasing", is_off ? undefined : "1");
-  announce(`Anti-aliasing ${is_off ? "on" : "off"}`);
+  announce(`Smooth edges ${is_off ? "on" : "off"}`);
 }
 
 /// Switches a parameter of an effect between its default and `off`, if the look runs the effect.
 function toggle_parameter(name, off, what) {
   if (!effects_in_use().includes(name.split(".")[0])) {
-    return announce(`The look ${look_of(side_edited()).name} has no ${what}`);
+    return announce(`The look ${name_of("look", look_of(side_edited()).name)} has no ${what}`);
   }
   const is_off = side_edited().set[name] === off;
   set_parameter(name, is_off ? undefined : off);
@@ -38,7 +42,7 @@ function toggle_parameter(name, off, what) {
 function next_ground() {
   const next = { undefined: "on", auto: "on", on: "off", off: undefined }[side_edited().options.ground];
   set_option("ground", next);
-  announce(`Ground: ${next ?? "auto"}`);
+  announce(`Ground: ${choice_name("ground", next ?? "auto")}`);
 }
 
 function next_buffer() {
@@ -46,11 +50,13 @@ function next_buffer() {
   const at = inputs.findIndex((input) => input.value === side_edited().show);
   side_edited().show = inputs[(at + 1) % inputs.length].value;
   hooks.changed(false);
-  announce(`Shown: ${side_edited().show}`);
+  announce(`Shown: ${name_of("show", side_edited().show)}`);
 }
 
-/// Sets the up axis of the model and looks at it from its corner.
-function set_up(axis) {
+/// Sets the other up axis of the model, +Y or +Z, and looks at the model from its corner.
+function next_up() {
+  const up = side_edited().options.up ?? (scene_now()?.up[2] > 0.9 ? "+Z" : "+Y"),
+    axis = up === "+Z" ? "+Y" : "+Z";
   set_option("up", axis);
   hooks.view("corner");
   announce(`Up axis ${axis}`);
@@ -65,11 +71,7 @@ function next_theme() {
 
 export function set_theme(name) {
   document.documentElement.dataset.theme = name;
-  try {
-    localStorage.setItem("umbrage-theme", name);
-  } catch {
-    // A sandboxed frame has no storage: the choice lasts as long as the page.
-  }
+  keep("theme", name);
   hooks.refresh?.();
 }
 
@@ -78,12 +80,13 @@ export function toggle_panel(is_open = document.body.classList.contains("no_pane
   by_id("panel_toggle").setAttribute("aria-expanded", String(is_open));
 }
 
+function begin_search() {
+  toggle_panel(true);
+  by_id("search").select();
+}
+
 export function attach_theme() {
-  try {
-    document.documentElement.dataset.theme = localStorage.getItem("umbrage-theme") ?? "";
-  } catch {
-    document.documentElement.dataset.theme = "";
-  }
+  document.documentElement.dataset.theme = kept("theme");
   by_id("theme").addEventListener("click", next_theme);
   by_id("panel_toggle").addEventListener("click", () => toggle_panel());
   by_id("help_open").addEventListener("click", toggle_help);
@@ -104,6 +107,8 @@ function action_of(act, key) {
     "+": () => zoom_by_key(act, 1 / 1.15),
     "=": () => zoom_by_key(act, 1 / 1.15),
     "-": () => zoom_by_key(act, 1.15),
+    m: toggle_measure,
+    u: is_flat() ? undefined : next_up,
     o: () => by_id("open").click(),
     q: toggle_occlusion,
     t: () => toggle_parameter("output.tone", "none", "tone curve"),
@@ -117,17 +122,26 @@ function action_of(act, key) {
     l: next_theme,
     h: toggle_help,
     "?": toggle_help,
+    "/": begin_search,
   }[key];
+}
+
+/// Handles a key pressed with Ctrl or Cmd that is not one of the picture. Returns whether it has a meaning.
+export function press_command(event) {
+  const key = event.key.toLowerCase();
+  if (key === "z" || key === "y") {
+    const is_redo = key === "y" || event.shiftKey,
+      is_done = is_redo ? redo() : undo();
+    announce(is_done ? (is_redo ? "Redone" : "Undone") : `Nothing to ${is_redo ? "redo" : "undo"}`);
+  } else if (key === "s" && !event.shiftKey) save();
+  else return false;
+  return true;
 }
 
 /// Handles a key. Returns whether it has a meaning.
 export function press(act, event) {
   const key = event.key.toLowerCase(),
     arrow = kArrows[key];
-  if (event.ctrlKey && (key === "y" || key === "z") && !is_flat()) {
-    set_up(key === "y" ? "+Y" : "+Z");
-    return true;
-  }
   if (arrow) {
     const is_choice = state.models.length > 1 && arrow[0] !== 0 && !event.ctrlKey && !event.shiftKey;
     if (is_choice) hooks.next_model(arrow[0]);
@@ -153,6 +167,15 @@ const kKeys = [
     ],
   ],
   [
+    "Undo, save, search",
+    [
+      ["Ctrl + Z", "undo"],
+      ["Ctrl + Shift + Z  Ctrl + Y", "redo"],
+      ["Ctrl + S", "save the picture"],
+      ["/", "search the settings"],
+    ],
+  ],
+  [
     "Camera",
     [
       ["F", "fit"],
@@ -164,7 +187,7 @@ const kKeys = [
       ["↑ ↓ ← →", "orbit; Shift + ← → with several models"],
       ["Ctrl + arrows", "move"],
       ["+  −", "zoom"],
-      ["Ctrl + Y, Ctrl + Z", "up axis of the model"],
+      ["U", "up axis of the model: Y, Z"],
     ],
   ],
   [
@@ -177,12 +200,13 @@ const kKeys = [
   [
     "Picture",
     [
-      ["Q", "occlusion on, off"],
-      ["A", "anti-aliasing on, off (tap)"],
+      ["Q", "ambient shadow on, off"],
+      ["A", "smooth edges on, off (tap)"],
       ["T", "tone curve on, off"],
-      ["G", "ground: auto, on, off"],
+      ["G", "ground: automatic, on, off"],
       ["E", "lines on, off"],
-      ["B", "buffer: next"],
+      ["B", "show the next image"],
+      ["M", "measure: click two points"],
     ],
   ],
   [

@@ -1,17 +1,21 @@
 // The page of `umbrage view`: connects the parts.
 import { by_id, announce, complain, complain_of_unknown, forgive, element } from "./dom.js";
 import { state, hooks, view_of, side_b, side_edited, scene_now, model_now, scene_for_camera, is_flat, fragment_of_state, take_fragment, home_camera } from "./state.js";
+import { device_name } from "./names.js";
 import { parse_vector, clamp } from "./math.js";
 import { camera_from, flown, viewed_from, with_pivot, point_under } from "./camera.js";
 import { new_link } from "./link.js";
 import { stage, draw, show_frame, forget_b, forget_sent, newest_id, note_state, needs_b, size_asked, size_shown, watch_size, update_flicker, attach_divider } from "./stage.js";
+import { is_measuring, toggle_measure, add_point, length_text } from "./measure.js";
 import { make_panels, refresh_panels } from "./panels.js";
 import { compare_section, refresh_compare } from "./compare.js";
 import { times_section, note_time, draw_times, ms_text } from "./graph.js";
-import { take_section, refresh_take } from "./take.js";
+import { take_section, refresh_take, save } from "./take.js";
+import { attach_search } from "./search.js";
 import { attach_files, with_upload_names } from "./files.js";
 import { attach_hands } from "./hands.js";
-import { press, toggle_anti_aliasing, attach_theme, toggle_panel, make_help } from "./keys.js";
+import { attach_steps, note_step } from "./steps.js";
+import { press, press_command, toggle_anti_aliasing, attach_theme, toggle_panel, make_help } from "./keys.js";
 
 const kFragment_ms = 300,
   kRate_ms = 1000,
@@ -64,6 +68,7 @@ function schedule_refresh() {
 function remember() {
   clearTimeout(fragment_timer);
   fragment_timer = setTimeout(() => {
+    note_step();
     own_fragment = fragment_of_state();
     if (location.hash.slice(1) !== own_fragment)
       history.replaceState(null, "", own_fragment ? `#${own_fragment}` : location.pathname);
@@ -97,6 +102,12 @@ function set_camera(camera, moving) {
   remember();
 }
 
+/// Asks which point of the model is at a place of the picture: take_pick has the answer.
+function ask_point(at) {
+  const size = size_shown();
+  link.send({ type: "pick", id: link.id, at: [at[0] / size[0], at[1] / size[1]] });
+}
+
 const act = {
   gesture(change) {
     const camera = state.cameras.get(state.model);
@@ -114,11 +125,13 @@ const act = {
       y: middle[1] + (view.y - middle[1]) * by + dy,
     };
     draw();
+    remember();
   },
+  click: (at) => is_measuring() && ask_point(at),
   pivot(at) {
-    const size = size_shown();
+    if (is_measuring()) return;
     if (is_flat()) return hooks.reset();
-    if (state.hello.picks) return link.send({ type: "pick", id: link.id, at: [at[0] / size[0], at[1] / size[1]] });
+    if (state.hello.picks) return ask_point(at);
     act.gesture((camera, shown) => with_pivot(camera, point_under(camera, at, shown)));
   },
   hold(is_held) {
@@ -131,12 +144,14 @@ const act = {
   fly: (move) => act.gesture((camera) => flown(camera, move)),
   tap: (name) => name === "a" && toggle_anti_aliasing(),
   key: (event) => press(act, event),
+  command: (event) => press_command(event),
 };
 
 Object.assign(hooks, {
   link,
   changed,
   remember,
+  redraw: draw,
   refresh: schedule_refresh,
   status: show_work,
   take_camera(options) {
@@ -149,6 +164,12 @@ Object.assign(hooks, {
     const home = home_camera(state.model);
     if (home) state.cameras.set(state.model, home);
     changed(false);
+  },
+  taken() {
+    forget_b(link.id);
+    show_models();
+    changed(false);
+    update_flicker();
   },
   next_model(step) {
     const at = state.models.findIndex((model) => model.id === state.model);
@@ -173,13 +194,24 @@ function show_models() {
   list.replaceChildren(...state.models.map((model) => element("option", { value: model.id, text: model.name })));
   list.value = state.model;
   by_id("no_model").hidden = state.models.length > 0;
+  show_hint();
   document.title = model_now() ? `${model_now().name} · Umbrage` : "Umbrage";
   show_summary();
 }
 
+function show_hint() {
+  const zoom = matchMedia("(pointer: coarse)").matches ? "pinch to zoom" : "wheel to zoom",
+    texts = is_flat()
+      ? ["Drag to move", zoom, "double click to fit"]
+      : ["Drag to turn", zoom, "double click to centre"];
+  by_id("hint_text").textContent = texts.join("\u00a0· ");
+}
+
 function show_summary() {
   const scene = scene_now();
-  by_id("model_summary").textContent = scene?.summary ?? "";
+  const extent = scene?.extent ? ` · ${scene.extent.map(length_text).join(" × ")} units` : "";
+  by_id("model_summary").textContent = (scene?.summary ?? "") + extent;
+  by_id("model_summary").title = extent ? "Size of the model along x, y and z, in the units of its file" : "";
   by_id("warnings").replaceChildren(...(scene?.warnings ?? []).map((text) => element("li", { text: with_upload_names(text) })));
 }
 
@@ -188,7 +220,7 @@ function expect_frame() {
   clearTimeout(waiting_timer);
   waiting_timer = setTimeout(() => {
     if (!link.connected || link.is_moving() || !stage.last || stage.last.id >= link.id) return;
-    by_id("progress_text").textContent = "drawing…";
+    by_id("progress_text").textContent = "Drawing…";
   }, kPatience_ms);
 }
 
@@ -213,6 +245,7 @@ function take_hello(hello) {
   state.hello = hello;
   state.models = hello.models ?? [];
   if (!is_again) take_address();
+  note_step();
   state.scenes.clear();
   build_panels();
   show_device(hello.device);
@@ -261,7 +294,8 @@ function take_environment(message) {
 }
 
 function take_pick(message) {
-  if (message.point) act.gesture((camera) => with_pivot(camera, message.point));
+  if (is_measuring()) add_point(message.point);
+  else if (message.point) act.gesture((camera) => with_pivot(camera, message.point));
 }
 
 /// An error of a view is shown until that view is drawn; another one, a notice, until it is dismissed.
@@ -290,7 +324,10 @@ function take_frame(header, blob) {
 
 // The status line.
 
-const show_device = (name) => (by_id("device_name").textContent = name ?? "");
+function show_device(name) {
+  by_id("device_name").textContent = device_name(name ?? "");
+  by_id("device_name").title = name ?? "";
+}
 
 function show_work(text, progress) {
   by_id("work").textContent = text ? `${text}${progress > 0 ? ` ${Math.round(progress * 100)} %` : ""}` : "";
@@ -302,12 +339,12 @@ function show_state(header) {
   show_work("", 0);
   if (header.moving) moving_times.push(now);
   while (moving_times.length && now - moving_times[0] > kRate_ms) moving_times.shift();
-  const pictures = header.samples > 1 ? `${header.samples} pictures averaged` : header.samples === 1 ? "1 picture" : "";
-  const rest = header.final ? ["final", pictures].filter(Boolean).join(", ") : pictures || "drawing…";
-  const rate = moving_times.length === 1 ? "1 frame/s" : `${moving_times.length} frames/s`;
-  by_id("progress_text").textContent = header.moving ? rate : rest;
-  by_id("frame_size").textContent = `${header.width} × ${header.height}`;
-  by_id("frame_time").textContent = ms_text(header.ms);
+  const pictures = header.samples > 1 ? `, ${header.samples} pictures` : "";
+  const rest = header.final ? `Finished${pictures}` : header.samples > 0 ? `Refining${pictures}` : "Drawing…";
+  by_id("progress_text").textContent = header.moving ? `Pictures per second: ${moving_times.length}` : rest;
+  by_id("progress_text").title = header.moving ? "" : `Average of pictures: ${header.samples}`;
+  by_id("frame_size").textContent = `${header.width} × ${header.height} pixels`;
+  by_id("frame_time").textContent = `drawn in ${ms_text(header.ms)}`;
   show_error_number(header);
 }
 
@@ -317,8 +354,8 @@ function show_error_number(header) {
     number = by_id("error_number");
   number.setAttribute("aria-live", !header.moving && (header.samples <= 1 || header.final) ? "polite" : "off");
   number.textContent = error
-    ? `Occlusion against the reference: RMSE ${error.rmse.toPrecision(3)}, mean ${error.mean.toPrecision(3)}. ` +
-      "White is right, red too bright, blue too dark; full color from 0.1."
+    ? `Error of the ambient shadow, from 0 to 1: RMSE ${error.rmse.toPrecision(3)}, mean ${error.mean.toPrecision(3)}. ` +
+      "White is right, red too bright, blue too dark; full colour from 0.1."
     : "";
 }
 
@@ -346,7 +383,15 @@ function start() {
   attach_files();
   attach_hands(act);
   attach_divider(remember);
-  watch_size(() => link.changed(true));
+  attach_steps();
+  by_id("save_now").addEventListener("click", save);
+  by_id("measure").addEventListener("click", toggle_measure);
+  by_id("fit").addEventListener("click", () => act.key({ key: "f" }));
+  attach_search();
+  watch_size(() => {
+    link.changed(true);
+    schedule_refresh();
+  });
   by_id("models").addEventListener("change", (event) => select_model(Number(event.target.value)));
   by_id("reconnect").addEventListener("click", () => {
     by_id("reconnect").disabled = true;
@@ -356,10 +401,7 @@ function start() {
     if (!state.hello || location.hash.slice(1) === own_fragment) return;
     state.flat = { scale: 1, x: 0, y: 0 };
     take_address();
-    forget_b(link.id);
-    show_models();
-    changed(false);
-    update_flicker();
+    hooks.taken();
   });
   document.addEventListener("visibilitychange", update_flicker);
   link.connect();

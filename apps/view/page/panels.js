@@ -1,42 +1,21 @@
 // The panel's sections of options, made from the program's tables. Options that no section names are in the last one.
 import { by_id, element, section, segments } from "./dom.js";
 import { state, hooks, side_edited, look_of, default_look, technique_of, technique_of_look, scene_now, is_flat } from "./state.js";
+import { name_of } from "./names.js";
 import { row } from "./controls.js";
 import { light_ball } from "./light.js";
+import { refresh_search } from "./search.js";
 
-const kLabels = {
-  ao: "Technique",
-  look: "Look",
-  "ao-radius": "Radius",
-  "ao-strength": "Strength",
-  "ao-scale": "Resolution",
-  "anti-aliasing": "Anti-aliasing",
-  "background-color": "Color",
-  "no-background": "Transparent",
-  "hdri-file": "Image",
-  "hdri-ambient": "Light",
-  "hdri-skybox": "Backdrop",
-  "hdri-rotation": "Rotation",
-  "hdri-intensity": "Intensity",
-  "light-size": "Key size",
-  "light-direction": "Direction",
-  key: "Key",
-  fill: "Fill",
-  rim: "Rim",
-  "shadow-strength": "Shadows",
-  up: "Up axis",
-  section: "Plane",
-};
 const kSections = [
-  ["occlusion", "Occlusion", true, ["ao-radius", "ao-strength", "ao-scale"]],
+  ["occlusion", "Ambient shadow", true, ["ao-radius", "ao-strength", "ao-scale"]],
   ["light", "Light", true, ["light-direction", "key", "fill", "rim", "shadow-strength", "light-size", "lights"]],
   [
     "environment",
-    "Environment",
+    "Surroundings",
     false,
     ["hdri-file", "hdri-intensity", "hdri-rotation", "hdri-ambient", "hdri-skybox"],
   ],
-  ["section", "Section", false, ["section"]],
+  ["section", "Cut", false, ["section", "explode"]],
   ["picture", "Picture", false, ["exposure", "contrast", "anti-aliasing", "material", "color", "style"]],
   ["background", "Background and ground", false, ["background-color", "no-background", "ground"]],
 ];
@@ -45,15 +24,14 @@ const kElsewhere = /^(look|ao|quality|set|device|effects|resolution|passes|svg|b
 const kShown = ["ao", "indirect", "depth", "normal", "albedo", "shadow", "outline", "line"];
 
 const kTraced = [
-  ["reference", "reference", "the picture with ray-traced occlusion"],
-  ["error", "error", "difference of the occlusion from the ray-traced reference"],
+  ["reference", "the picture with ray-traced occlusion"],
+  ["error", "difference of the occlusion from the ray-traced reference"],
 ];
 
 const rows = [];
 let effect_rows = [];
 let effects_of = ""; // what the sections of effects were made for
 
-export const title_of = (name) => kLabels[name] ?? (name[0].toUpperCase() + name.slice(1)).replace(/[-_]/g, " ");
 const option_named = (name) => state.hello.options.find((option) => option.name === name);
 const applies = (option) =>
   option && (!option.repeated || option.name === "section") && (is_flat() ? option.gbuffer : option.model) !== false;
@@ -88,7 +66,8 @@ const parameter_access = (name) => ({
 });
 
 function option_row(option) {
-  const made = row(option, title_of(option.name), option_access(option.name), `option-${option.name}`);
+  const named = { ...option, technical: `--${option.name}` };
+  const made = row(named, name_of("option", option.name), option_access(option.name), `option-${option.name}`);
   rows.push(made);
   return made.root;
 }
@@ -137,7 +116,8 @@ function environment_buttons() {
 
 // Look, technique and quality.
 
-function described_select(id, label, choices, summary_of, chosen) {
+/// `entries` of refresh(value, entries): value, plain name and technical name of each choice.
+function described_select(id, option, summary_of, chosen) {
   const summary = element("p", { class: "summary", id: `${id}_summary` });
   const select = element("select", {
     id,
@@ -149,9 +129,10 @@ function described_select(id, label, choices, summary_of, chosen) {
     const key = entries.map(([name, text]) => name + text).join("|");
     if (select.dataset.key !== key) {
       select.dataset.key = key;
-      select.replaceChildren(...entries.map(([name, text]) => element("option", { value: name, text })));
+      select.replaceChildren(...entries.map(([name, text, title]) => element("option", { value: name, text, title })));
     }
     select.value = value;
+    select.title = `--${option} ${select.selectedOptions[0]?.title}`;
     summary.textContent = summary_of();
   };
   return {
@@ -160,7 +141,7 @@ function described_select(id, label, choices, summary_of, chosen) {
       element(
         "div",
         { class: "row wide" },
-        element("label", { for: id, text: label }),
+        element("label", { for: id, text: name_of("option", option) }),
         element("div", { class: "control" }, select),
       ),
       summary,
@@ -172,15 +153,13 @@ function look_section() {
   const is_auto = () => is_flat() && !scene_now()?.look && !side_edited().options.look;
   const look = described_select(
     "look",
-    "Look",
-    [],
+    "look",
     () => (is_auto() ? "chosen by what the file holds" : (look_of(side_edited())?.summary ?? "")),
     (name) => set_option("look", !is_flat() && name === default_look() ? undefined : name),
   );
   const technique = described_select(
     "technique",
-    "Technique",
-    [],
+    "ao",
     () => {
       const name = technique_of(side_edited());
       if (is_auto() && !side_edited().options.ao) return "";
@@ -189,7 +168,7 @@ function look_section() {
     (name) => set_option("ao", name),
   );
   const kinds = [
-    ["", "auto", "set by the look"],
+    ["", "default", "the quality that the look sets"],
     ...(option_named("quality")?.choices ?? []).map((name) => [name, name]),
   ];
   const quality = segments("Quality", "quality", kinds, (name) => set_option("quality", name || undefined));
@@ -199,14 +178,19 @@ function look_section() {
       const side = side_edited();
       const looks = state.hello.looks
         .filter((entry) => is_flat() || !entry.gbuffer)
-        .map((entry) => [entry.name, entry.name]);
-      if (is_flat()) look.refresh(side.options.look ?? "", [["", `auto (${scene_now()?.look ?? "by the planes"})`], ...looks]);
+        .map((entry) => [entry.name, name_of("look", entry.name), entry.name]);
+      const found = scene_now()?.look;
+      if (is_flat())
+        look.refresh(side.options.look ?? "", [
+          ["", `automatic: ${found ? name_of("look", found) : "by the planes"}`, "auto"],
+          ...looks,
+        ]);
       else look.refresh(look_of(side)?.name, looks);
       const own = technique_of_look(side);
       const techniques = (option_named("ao")?.choices ?? []).filter((name) => name !== "reference");
       technique.refresh(side.options.ao ?? "", [
-        ["", is_auto() ? "auto" : `${own ?? "auto"} (of the look)`],
-        ...techniques.map((name) => [name, name]),
+        ["", is_auto() || !own ? "automatic" : `Default: ${name_of("effect", own)}`, own ?? "auto"],
+        ...techniques.map((name) => [name, name_of("effect", name), name]),
       ]);
       quality.show(side.options.quality);
     },
@@ -234,18 +218,20 @@ function show_section() {
       made_for = key;
       const chips = passes.filter((pass) => kShown.includes(pass.name));
       const entries = [
-        ["picture", "picture", "the finished picture"],
-        ...chips.map((pass) => [pass.name, pass.name, pass.summary]),
+        ["picture", "the finished picture"],
+        ...chips.map((pass) => [pass.name, pass.summary]),
         ...(is_flat() ? [] : kTraced),
-      ];
+      ].map(([name, summary]) => [name, name_of("show", name), `${name}: ${summary}`]);
       buttons = segments("Show", "show", entries, set);
       buttons.root.classList.add("chips");
-      const rest = passes.filter((pass) => !kShown.includes(pass.name) && pass.name !== "beauty");
+      const rest = passes.filter((pass) => !kShown.includes(pass.name) && !["beauty", "all"].includes(pass.name));
       more = element(
         "select",
-        { "aria-label": "Other buffers", "data-testid": "show-more", on_change: () => more.value && set(more.value) },
-        element("option", { value: "", text: "other buffers" }),
-        ...rest.map((pass) => element("option", { value: pass.name, text: pass.name, title: pass.summary })),
+        { "aria-label": "Other images", "data-testid": "show-more", on_change: () => more.value && set(more.value) },
+        element("option", { value: "", text: "Other images" }),
+        ...rest.map(({ name, summary }) =>
+          element("option", { value: name, text: name_of("show", name), title: `${name}: ${summary}` }),
+        ),
       );
       box.replaceChildren(buttons.root, ...(rest.length ? [more] : []));
     }
@@ -266,8 +252,8 @@ function effect_section(name, is_open) {
     if (parameter.name === "sample_index") continue;
     const full = `${name}.${parameter.name}`,
       own = look_of(side_edited())?.presets?.[full];
-    const entry = own === undefined ? parameter : { ...parameter, initial: own };
-    const one = row(entry, title_of(parameter.name), parameter_access(full), `parameter-${full}`);
+    const entry = { ...parameter, initial: own ?? parameter.initial, technical: `--set ${full}` };
+    const one = row(entry, name_of("parameter", full), parameter_access(full), `parameter-${full}`);
     made.push(one);
     parts.push(one.root);
   }
@@ -278,7 +264,8 @@ function effect_section(name, is_open) {
       hooks.changed(false);
     }),
   );
-  return section(`effect_${name}`, name, is_open, ...parts);
+  const title = `${effect.kind === "occlusion" ? "Ambient shadow: " : ""}${name_of("effect", name)}`;
+  return section(`effect_${name}`, title, is_open, ...parts);
 }
 
 /// Returns the names of the effects that the edited side runs, in order.
@@ -301,6 +288,7 @@ function refresh_effects() {
     box.replaceChildren(...names.map((name) => effect_section(name, open.has(`section_effect_${name}`))));
     const first = by_id(`section_effect_${technique}`);
     if (first) box.prepend(first);
+    refresh_search();
   }
   for (const made of effect_rows) made.refresh();
 }
@@ -319,7 +307,7 @@ export function make_panels() {
   const effects = element(
     "div",
     { id: "effects_box" },
-    element("p", { class: "kicker", text: "Effects of the look" }),
+    element("p", { class: "kicker", text: "Details of the look" }),
     element("div", { id: "effects" }),
   );
   return { first: parts, groups, last: [effects, more].filter(Boolean) };

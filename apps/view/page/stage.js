@@ -1,6 +1,8 @@
 // The picture: decodes frames and draws them, one side or both in comparison.
 import { by_id, is_calm } from "./dom.js";
 import { state, is_flat, scene_now, side_b, technique_of, look_of } from "./state.js";
+import { name_of, device_name } from "./names.js";
+import { draw_measure } from "./measure.js";
 import { clamp } from "./math.js";
 
 const kMaxPixelRatio = 2,
@@ -187,12 +189,15 @@ export function draw() {
     put(pen, b);
     pen.restore();
   }
+  draw_measure(size_shown());
   draw_tags(seen, !b || (!!a && !a.header.moving && b.header.id < a.header.id));
 }
 
 function name_of_side(side) {
-  const what = side.show === "picture" ? technique_of(side) : side.show;
-  return [look_of(side)?.name, what, side.options.quality, side.device].filter(Boolean).join(" · ");
+  const technique = technique_of(side),
+    what = side.show !== "picture" ? name_of("show", side.show) : technique && name_of("effect", technique);
+  const look = look_of(side)?.name;
+  return [look && name_of("look", look), what, side.options.quality, device_name(side.device)].filter(Boolean).join(" · ");
 }
 
 /// `is_late`: the picture of B is missing or older than that of A.

@@ -110,10 +110,9 @@ export function home_camera(model) {
 
 export const settings_list = (side) => Object.entries(side.set).map(([name, text]) => `${name}=${text}`);
 
-/// Returns the options of a side as on a command line, with those of the camera.
-export function options_of(side) {
+/// Returns the options of a side as on a command line, with those of the camera, by default that of the view.
+export function options_of(side, camera = state.cameras.get(state.model)) {
   const options = { ...side.options };
-  const camera = state.cameras.get(state.model);
   if (camera && !is_flat()) Object.assign(options, camera_options(camera, scene_for_camera()));
   if (Object.keys(side.set).length) options.set = settings_list(side);
   return options;
@@ -180,10 +179,14 @@ function reset() {
   state.compare = "off";
   state.split = kSplit;
   state.gain = kGain;
+  reset_cameras();
+}
+
+function reset_cameras() {
   state.cameras.clear();
-  for (const model of state.scenes.keys()) {
-    const home = home_camera(model);
-    if (home) state.cameras.set(model, home);
+  for (const id of state.scenes.keys()) {
+    const home = home_camera(id);
+    if (home) state.cameras.set(id, home);
   }
 }
 
@@ -208,6 +211,23 @@ export function take_fragment(fragment) {
   return unknown;
 }
 
+/// Returns all that a user sets, as a text. It does not change when a model is read, whose camera is then that of before.
+export function state_text() {
+  const { model, a, b, compare, split, gain, flat } = state;
+  const cameras = [...state.cameras].filter(([, camera]) => !camera.is_home);
+  return JSON.stringify({ model, a, b, compare, split, gain, flat, cameras });
+}
+
+/// Sets the state from such a text; a model that has left the list is not chosen.
+export function take_state_text(text) {
+  const { model, cameras, ...others } = JSON.parse(text);
+  Object.assign(state, others);
+  if (state.models.some((entry) => entry.id === model)) state.model = model;
+  if (!state.b) state.edited = "a";
+  reset_cameras();
+  for (const [id, camera] of cameras) state.cameras.set(id, camera);
+}
+
 function take_entry(side, name, text) {
   if (name !== "show") return take_options(side, { [name]: text });
   side.show = text || "picture";
@@ -223,5 +243,6 @@ function decoded(text) {
 }
 
 /// Set by main.js. changed(moving): the view has changed; `moving` while further changes follow at once. remember():
-/// something that only the address keeps has changed.
-export const hooks = { changed: () => {}, remember: () => {}, link: null };
+/// something that only the address and the history keep has changed. taken(): the whole state has been replaced.
+/// redraw(): what is drawn over the picture has changed.
+export const hooks = { changed: () => {}, remember: () => {}, taken: () => {}, redraw: () => {}, link: null };

@@ -1,6 +1,9 @@
-// What can be taken away: a file of the picture, the state as a command, as Python, as C++ or as settings, and a link.
+// Export: a file of the picture, the state as a command, as Python, as C++ or as settings, and a link.
 import { by_id, element, section, complain, complain_of_unknown, announce, download, copy_text } from "./dom.js";
-import { state, hooks, side_edited, options_of, model_now, is_flat, new_side, take_options, fragment_of_state } from "./state.js";
+import { state, hooks, side_edited, side_b, options_of, model_now, is_flat, new_side, take_options, fragment_of_state } from "./state.js";
+import { framed } from "./camera.js";
+import { size_asked } from "./stage.js";
+import { name_of } from "./names.js";
 import { parse_vector } from "./math.js";
 import { hex_of } from "./controls.js";
 import { uploaded_name, with_upload_names } from "./files.js";
@@ -14,9 +17,17 @@ const file_now = () => uploaded_name(model_now()?.file) ?? model_now()?.file ?? 
 const field_of = (name) => state.hello.options.find((option) => option.name === name)?.field;
 const kind_of = (name) => state.hello.options.find((option) => option.name === name)?.kind ?? "text";
 
-/// Returns the options of a side with the device and what is shown, as they are saved and copied.
-function all_options(side) {
-  const options = options_of(side);
+/// Returns the side that is exported: the one that is seen, of two the one that the panel changes.
+function side_taken() {
+  if (state.compare === "off") return state.a;
+  return state.compare === "b" ? side_b() : side_edited();
+}
+
+/// Returns the options of a side with the device and what is shown, as they are saved and copied. A picture of another
+/// shape than the view's shows all of the view.
+function all_options(side, size) {
+  const camera = state.cameras.get(state.model);
+  const options = options_of(side, camera && size ? framed(camera, size, size_asked()) : camera);
   if (side.device) options.device = side.device;
   if (side.show === "reference") options.ao = "reference";
   else if (!["picture", "error"].includes(side.show)) options.passes = side.show;
@@ -24,8 +35,8 @@ function all_options(side) {
 }
 
 /// Returns the options as they are copied: with the name that an uploaded environment had, since the upload is temporary.
-function copied_options(side) {
-  const options = all_options(side),
+function copied_options(side, size) {
+  const options = all_options(side, size),
     uploaded = uploaded_name(options["hdri-file"]);
   return uploaded ? { ...options, "hdri-file": uploaded } : options;
 }
@@ -45,7 +56,7 @@ function with_remark(comment, side, text) {
 /// Returns the command line that draws the picture.
 export function command_of(side, size) {
   const words = ["umbrage", is_flat() ? "shade" : "render", shell_word(file_now())];
-  for (const [name, value] of Object.entries(copied_options(side))) {
+  for (const [name, value] of Object.entries(copied_options(side, size))) {
     if (name === "set") for (const entry of value) words.push("--set", shell_word(entry));
     else if (kind_of(name) !== "flag")
       words.push(/^[-+]/.test(value) ? `--${name}=${shell_word(value)}` : `--${name} ${shell_word(value)}`);
@@ -57,8 +68,8 @@ export function command_of(side, size) {
 }
 
 /// Calls write(field, kind, text) for every option that the libraries have.
-function for_fields(side, write) {
-  for (const [name, text] of Object.entries(copied_options(side))) {
+function for_fields(side, size, write) {
+  for (const [name, text] of Object.entries(copied_options(side, size))) {
     const field = field_of(name);
     if (field && name !== "set") write(field, kind_of(name), text);
   }
@@ -92,7 +103,7 @@ function python_value(kind, text) {
 export function python_of(side, size) {
   const camera = [],
     rest = [];
-  for_fields(side, (field, kind, text) => {
+  for_fields(side, size, (field, kind, text) => {
     if (field.startsWith("camera.")) camera.push(`"${field.slice(7)}": ${python_value(kind, text)}`);
     else rest.push(`${field}=${python_value(kind, text)}`);
   });
@@ -131,7 +142,7 @@ export function cpp_of(side, size) {
     `request.${is_flat() ? "file" : "model"} = ${JSON.stringify(file_now())};`,
   ];
   if (!is_flat()) lines.push(`request.width = ${size[0]};`, `request.height = ${size[1]};`);
-  for_fields(side, (field, kind, text) => lines.push(`request.${field} = ${cpp_value(field, kind, text)};`));
+  for_fields(side, size, (field, kind, text) => lines.push(`request.${field} = ${cpp_value(field, kind, text)};`));
   const settings = Object.entries(side.set).map(([name, text]) => JSON.stringify(`${name}=${text}`));
   if (settings.length) lines.push(`request.settings = {${settings.join(", ")}};`);
   lines.push(
@@ -145,7 +156,7 @@ export function cpp_of(side, size) {
 }
 
 function settings_text() {
-  const options = copied_options(side_edited());
+  const options = copied_options(side_taken());
   delete options.passes;
   return JSON.stringify(options, null, 2) + "\n";
 }
@@ -176,32 +187,46 @@ async function load_settings(file) {
   }
 }
 
-/// Returns what is saved and copied if it is not the finished picture.
+/// Returns what is saved and copied if it is not all that is seen.
 function note_of(side) {
-  if (side.show === "picture") return "";
-  if (side.show === "error") return "The map of the error cannot be saved: Save and Copy give the picture itself.";
-  const what = side.show === "reference" ? "the picture with ray-traced occlusion" : `the buffer ${side.show}`;
-  return `Save and Copy give ${what}.`;
+  const is_one = !["off", "b"].includes(state.compare);
+  const of_side = is_one ? ` of ${state.b && state.edited === "b" ? "B" : "A"}` : "";
+  if (side.show === "error") return `The map of the error cannot be saved: Save and Copy give the picture${of_side}.`;
+  if (side.show === "picture") return is_one ? `Save and Copy give the picture${of_side} alone.` : "";
+  return `Save and Copy give this image${of_side}: ${name_of("show", side.show).toLowerCase()}.`;
 }
 
-/// Shows the note of the edited side.
+const size_wanted = () =>
+  by_id("save_size").value
+    ? size_asked().map((side) => side * Number(by_id("save_size").value))
+    : [Number(by_id("save_width").value), Number(by_id("save_height").value)];
+
+/// Shows the sizes and the note of what is exported.
 export function refresh_take() {
   const note = by_id("take_note"),
-    text = note_of(side_edited());
+    text = note_of(side_taken()),
+    seen = size_asked();
   note.textContent = text;
   note.hidden = !text;
+  for (const entry of by_id("save_size").options)
+    if (entry.value) entry.textContent = `${entry.value}×: ${seen.map((side) => side * Number(entry.value)).join(" × ")}`;
+  by_id("save_size").hidden = is_flat();
+  by_id("own_size").hidden = is_flat() || by_id("save_size").value !== "";
+  const what = `${by_id("save_format").value.toUpperCase()}, ${size_wanted().join(" × ")} pixels`;
+  by_id("save_now").title = `Save the picture (Ctrl+S): ${what}. Export in the panel has other sizes and formats.`;
 }
 
-const size_wanted = () => [Number(by_id("save_width").value), Number(by_id("save_height").value)];
-
-async function save() {
-  const button = by_id("save"),
+/// Writes the picture as the section says and gives it to the user. One at a time.
+export async function save() {
+  const buttons = [by_id("save"), by_id("save_now")],
     [width, height] = size_wanted(),
     format = by_id("save_format").value;
-  button.disabled = true;
-  button.textContent = "Saving…";
+  if (buttons[0].disabled) return;
+  for (const button of buttons) button.disabled = true;
+  hooks.status("saving the picture", 0);
   try {
-    const body = JSON.stringify({ options: all_options(side_edited()), model: state.model, format, width, height });
+    const options = all_options(side_taken(), [width, height]);
+    const body = JSON.stringify({ options, model: state.model, format, width, height });
     const answer = await fetch(new URL("save", document.baseURI), {
       method: "POST",
       body,
@@ -215,17 +240,17 @@ async function save() {
   } catch (error) {
     complain(`Not saved: ${with_upload_names(error.message)}`, "save");
   }
-  button.disabled = false;
-  button.textContent = "Save";
+  hooks.status("", 0);
+  for (const button of buttons) button.disabled = false;
 }
 
 export function take_section() {
   const number = (id, label, value) =>
-    element("input", { type: "number", id, "aria-label": label, min: 1, max: 16384, value, class: "number" });
+    element("input", { type: "number", id, "aria-label": label, min: 1, max: 16384, value, class: "number", on_change: refresh_take });
   const button = (id, text, act) => element("button", { type: "button", id, text, on_click: act });
   const text = element("pre", { id: "copied", tabindex: 0, "aria-label": "The copied text", hidden: true });
   const copy = (make) => () => {
-    text.textContent = make(side_edited(), size_wanted());
+    text.textContent = make(side_taken(), size_wanted());
     text.hidden = false;
     copy_text(text.textContent);
   };
@@ -240,20 +265,31 @@ export function take_section() {
   });
   return section(
     "take",
-    "Take away",
+    "Export",
     false,
+    element("p", { class: "kicker", text: "Picture as in the view, in pixels" }),
     element(
       "div",
       { class: "save" },
-      number("save_width", "Width in pixels", 1920),
-      element("span", { text: "×" }),
-      number("save_height", "Height in pixels", 1080),
       element(
         "select",
-        { id: "save_format", "aria-label": "Format" },
+        { id: "save_size", "aria-label": "Size", on_change: refresh_take },
+        ...["1", "2", "4"].map((factor) => element("option", { value: factor })),
+        element("option", { value: "", text: "own size" }),
+      ),
+      element(
+        "select",
+        { id: "save_format", "aria-label": "Format", on_change: refresh_take },
         ...kFormats.map((name) => element("option", { value: name, text: name.toUpperCase() })),
       ),
       button("save", "Save", save),
+    ),
+    element(
+      "div",
+      { class: "save", id: "own_size", hidden: true },
+      number("save_width", "Width in pixels", 1920),
+      element("span", { text: "×" }),
+      number("save_height", "Height in pixels", 1080),
     ),
     element("p", { class: "summary", id: "take_note", hidden: true }),
     element("p", { class: "kicker", text: "Copy as" }),

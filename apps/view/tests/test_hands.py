@@ -2,7 +2,7 @@
 import math
 import unittest
 
-from support import Keys, PageTest, difference
+from support import ActionChains, Keys, PageTest, difference
 
 BEGIN, END = (300, 260), (380, 290)  # of drags over the picture, CSS pixels
 
@@ -226,14 +226,31 @@ class KeysTest(CameraTest):
         self.change("", lambda a, b: b["distance"] > 1.1 * a["distance"], lambda: self.press("-"))
 
     def test_up_axis(self):
-        for key, axis in (("z", "+Z"), ("y", "+Y")):
-            KeysTest.tested.add(f"CTRL + {key.upper()}")
+        KeysTest.tested.add("U")
+        for axis in ("+Z", "+Y"):
             picture = self.thumbnail()
-            self.press_with(Keys.CONTROL, key)
+            self.press("u")
             self.wait(lambda: self.options().get("up") == axis, f"the up axis {axis}")
             self.assert_drawn(picture)
             up = {"+Z": [0, 0, 1], "+Y": [0, 1, 0]}[axis]
             self.assertGreater(dot(self.camera()["up"], up), 0.5)
+
+    def test_undo_redo_and_save(self):
+        before = self.camera()
+        self.change("1", lambda a, b: angle_deg(a["back"], b["back"]) > 20)
+        changed = self.camera()
+        redo = ActionChains(self.browser).key_down(Keys.CONTROL).key_down(Keys.SHIFT).send_keys("z")
+        redo.key_up(Keys.SHIFT).key_up(Keys.CONTROL)
+        for name, again in (("CTRL + SHIFT + Z", redo.perform), ("CTRL + Y", lambda: self.press_with(Keys.CONTROL, "y"))):
+            self.said("Ctrl + Z", "undone", Keys.CONTROL, "z")
+            self.assertEqual(self.camera(), before)
+            again()
+            self.wait_for("document.querySelector('#said').textContent === 'Redone'")
+            self.assertEqual(self.camera(), changed)
+            KeysTest.tested.add(name)
+        self.wait_for_rest()
+        self.said("Ctrl + S", "saved", Keys.CONTROL, "s")
+        self.assertEqual(self.download("*.png")[:4], b"\x89PNG")
 
     def test_occlusion_and_anti_aliasing(self):
         picture = self.thumbnail()
@@ -289,7 +306,7 @@ class KeysTest(CameraTest):
         self.wait_for_rest()
 
     def test_page_keys(self):
-        KeysTest.tested.update(["P", "L", "H", "ESC", "O"])
+        KeysTest.tested.update(["P", "L", "H", "ESC", "O", "/", "M"])
         self.press("p")
         self.wait_for("!document.querySelector('#panel').checkVisibility() || document.querySelector('#panel').getBoundingClientRect().left >= innerWidth")
         self.press("p")
@@ -297,6 +314,12 @@ class KeysTest(CameraTest):
         for theme in ("dark", "", "dark", ""):
             self.press("l")
             self.wait_for(f"document.documentElement.dataset.theme === '{theme}'")
+        self.press("/")
+        self.wait_for("document.activeElement.id === 'search'")
+        self.press(Keys.ESCAPE)
+        for is_on in ("true", "false"):
+            self.press("m")
+            self.wait_for(f"document.querySelector('#measure').getAttribute('aria-pressed') === '{is_on}'")
         self.press("h")
         self.wait_for("document.querySelector('#help').open")
         self.press("h")

@@ -52,7 +52,7 @@ class PageItselfTest(PageTest):
         try:
             resize(self.browser, 320, 240)  # is soon refined
             self.wait_for_final()
-            self.assertIn("final", self.element("progress").text)
+            self.assertIn("Finished", self.element("progress").text)
         finally:
             resize(self.browser, 960, 600)
 

@@ -9,7 +9,7 @@ import sys
 import tempfile
 import unittest
 
-from support import PROGRAM, By, PageTest, difference, resize
+from support import PROGRAM, By, Keys, PageTest, difference, resize
 
 SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))
 LIBRARY = os.environ.get("UMBRAGE_LIBRARY")
@@ -33,6 +33,25 @@ Promise.all([pixels(first), pixels(second)]).then(([a, b]) => {
 """
 
 
+# Compares a PNG, in base64, with the canvas, both of one width around their middle, made smaller, which removes noise. Gives
+# the mean difference, 0 to 255, and that of the PNG made 2 % larger.
+DIFFERENCE_FROM_CANVAS = """
+const [text, done] = arguments, canvas = document.querySelector("#picture");
+const width = 100, height = Math.round(width * canvas.height / canvas.width);
+const pixels = (image, scale) => {
+  const pen = new OffscreenCanvas(width, height).getContext("2d"), high = image.height / image.width * width * scale;
+  pen.imageSmoothingQuality = "high";
+  pen.drawImage(image, (1 - scale) / 2 * width, (height - high) / 2, scale * width, high);
+  return pen.getImageData(0, 0, width, height).data;
+};
+const mean = (a, b) => a.reduce((sum, x, i) => sum + Math.abs(x - b[i]), 0) / (0.75 * a.length);
+createImageBitmap(new Blob([Uint8Array.from(atob(text), c => c.charCodeAt(0))])).then(image => {
+  const seen = pixels(canvas, 1);
+  done([mean(seen, pixels(image, 1)), mean(seen, pixels(image, 1.02))]);
+});
+"""
+
+
 def run(words, folder, **more):
     done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False, **more)
     if done.returncode:
@@ -50,6 +69,7 @@ class TakeTest(PageTest):
         self.folder = tempfile.mkdtemp(prefix="umbrage-take-")
         self.addCleanup(shutil.rmtree, self.folder)
         self.click("#section_take summary") if not self.page("document.querySelector('#section_take').open") else None
+        self.choose("#save_size", "")
         for name, value in (("save_width", 160), ("save_height", 100)):
             self.browser.execute_script("document.querySelector('#' + arguments[0]).value = arguments[1]", name, value)
 
@@ -72,6 +92,9 @@ class TakeTest(PageTest):
         self.wait_for("!document.querySelector('#save').disabled")
         self.assertEqual(self.errors(), [])
         return data
+
+    def size_of(self, png):
+        return [int.from_bytes(png[at:at + 4], "big") for at in (16, 20)]
 
     def assert_same_picture(self, a, b):
         texts = [base64.b64encode(data).decode() for data in (a, b)]
@@ -131,6 +154,64 @@ class TakeTest(PageTest):
         self.browser.find_element(By.CSS_SELECTOR, "#settings_file").send_keys(os.path.join(self.folder, "settings.json"))
         self.wait(lambda: self.options() == options, "the loaded settings")
         self.wait_for_rest()
+
+    def differing(self, saved):
+        """Returns the mean and the max difference, 0 to 255, of a saved PNG from the canvas, where the two have one size."""
+        return self.browser.execute_async_script(DIFFERENCE_FROM_CANVAS, base64.b64encode(saved).decode())
+
+    def test_the_saved_picture_is_the_one_of_the_view(self):
+        # Of any shape of the window: at the same size it has the same framing.
+        try:
+            for width, height, scale in ((800, 400, 1), (320, 480, 1), (400, 300, 2)):
+                resize(self.browser, width, height, scale)
+                self.open("#show=albedo")  # has no noise
+                self.drag((150, 160), (190, 180))
+                self.wait_for_final()
+                self.click("#save_now")
+                saved = self.download("*.png")
+                self.assertEqual(self.size_of(saved), self.page("[umbrage.frame.width, umbrage.frame.height]"))
+                mean_difference, moved = self.differing(saved)
+                self.assertLess(mean_difference, 0.01)
+                self.assertGreater(moved, 3)  # a picture that is 2 % larger differs
+        finally:
+            resize(self.browser, 960, 600)
+
+    def test_sizes_of_the_saved_picture(self):
+        seen = self.wait_for_rest()
+        for factor in (1, 2, 4):
+            self.choose("#save_size", str(factor))
+            self.browser.execute_script("document.querySelector('#picture').focus()")
+            self.press_with(Keys.CONTROL, "s")
+            self.assertEqual(self.size_of(self.download("*.png")), [factor * seen["width"], factor * seen["height"]])
+            self.wait_for("!document.querySelector('#save').disabled")
+
+    def test_an_own_size_shows_all_of_the_view(self):
+        # A narrow picture shows the width of the view: its middle is the canvas, made smaller.
+        self.click("[data-testid='show-albedo']")
+        self.wait_for_final()
+        size = [200, 300]
+        for name, value in zip(("save_width", "save_height"), size):
+            self.browser.execute_script("document.querySelector('#' + arguments[0]).value = arguments[1]", name, value)
+        for _ in range(2):  # perspective, then parallel projection
+            saved = self.save()
+            self.assertEqual(self.size_of(saved), size)
+            mean_difference, moved = self.differing(saved)
+            self.assertLess(mean_difference, 2.5)  # the edges of one are made smooth by the change of size
+            self.assertGreater(moved, 1.8 * mean_difference)
+            self.press(Keys.ESCAPE, "5")
+            self.wait_for_final()
+
+    def test_what_is_saved_of_a_comparison(self):
+        self.press(Keys.ESCAPE, "k")
+        self.wait_for_rest()
+        self.choose("#technique", "none")  # of A
+        self.wait(lambda: self.options().get("ao") == "none", "the change of A")
+        note = self.wait_for("document.querySelector('#take_note').textContent")
+        self.assertIn("A alone", note)
+        a = self.save()
+        self.press(Keys.ESCAPE, "x")
+        self.wait_for("umbrage.state.compare === 'b' && document.querySelector('#take_note').hidden")
+        self.assertNotEqual(self.save(), a)
 
     def test_exr_and_svg(self):
         self.assertEqual(self.save("exr")[:4], b"\x76\x2f\x31\x01")
