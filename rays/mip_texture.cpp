@@ -267,9 +267,7 @@ constexpr int kRangeSide = 16;  // of a square of texels with one alpha range
 int range_columns(const MipLevel& level) { return (level.width + kRangeSide - 1) / kRangeSide; }
 
 /// Returns the alpha of a texel, in 255ths.
-std::uint8_t alpha_of(const MipLevel& level, int x, int y) {
-  return level.rgba[(std::size_t(y) * std::size_t(level.width) + std::size_t(x)) * 4 + 3];
-}
+std::uint8_t alpha_of(const MipLevel& level, int x, int y) { return bytes_of(level, x, y)[3]; }
 
 float bilinear_alpha(const MipLevel& level, const Bilinear& b) {
   const auto alpha = [&](int x, int y) { return float(alpha_of(level, x, y)); };
