@@ -122,22 +122,43 @@ std::vector<SceneBox> boxes_of_meshes(const Scene& scene, float margin) {
   return boxes;
 }
 
-/// Returns for each mesh the other meshes whose boxes overlap its box; nothing if there are too many boxes to test.
-std::vector<std::vector<Index>> neighbors_of(const std::vector<SceneBox>& boxes) {
-  std::vector<Index> order(boxes.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](Index a, Index b) { return boxes[a].low.x < boxes[b].low.x; });
-  std::vector<std::vector<Index>> neighbors(boxes.size());
-  std::size_t tests = 0;
-  for (std::size_t i = 0; i < order.size(); ++i)
-    for (std::size_t j = i + 1; j < order.size() && boxes[order[j]].low.x <= boxes[order[i]].high.x; ++j) {
-      if (++tests > kMaxBoxTests * boxes.size()) return {};
-      if (!overlaps(boxes[order[i]], boxes[order[j]])) continue;
-      neighbors[order[i]].push_back(order[j]);
-      neighbors[order[j]].push_back(order[i]);
-    }
-  return neighbors;
-}
+/// Which meshes may touch a triangle of another mesh, by their boxes.
+class MeshNeighbors {
+ public:
+  explicit MeshNeighbors(const Scene& scene) : boxes_(boxes_of_meshes(scene, float(kSamePlane) * scene.radius())) {
+    std::vector<Index> order(boxes_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](Index a, Index b) { return boxes_[a].low.x < boxes_[b].low.x; });
+    of_.resize(boxes_.size());
+    std::size_t tests = 0;
+    for (std::size_t i = 0; i < order.size(); ++i)
+      for (std::size_t j = i + 1; j < order.size() && boxes_[order[j]].low.x <= boxes_[order[i]].high.x; ++j) {
+        if (++tests > kMaxBoxTests * boxes_.size()) {
+          of_.clear();
+          return;
+        }
+        if (!overlaps(boxes_[order[i]], boxes_[order[j]])) continue;
+        of_[order[i]].push_back(order[j]);
+        of_[order[j]].push_back(order[i]);
+      }
+  }
+
+  /// Returns whether `test` is true for a mesh whose box meets this triangle; true if there are too many to test.
+  template <typename Test>
+  bool any(const Mesh& mesh, Index index, Index face, const Test& test) const {
+    constexpr std::size_t kMaxTested = 64;  // testing more would take longer than what it saves
+    if (of_.empty() || of_[index].size() > kMaxTested) return true;
+    if (of_[index].empty()) return false;
+    const auto at = [&](int k) { return mesh.positions[mesh.indices[3 * std::size_t(face) + k]]; };
+    const SceneBox box{glm::min(glm::min(at(0), at(1)), at(2)), glm::max(glm::max(at(0), at(1)), at(2))};
+    return std::any_of(of_[index].begin(), of_[index].end(),
+                       [&](Index other) { return overlaps(box, boxes_[other]) && test(other); });
+  }
+
+ private:
+  std::vector<SceneBox> boxes_;
+  std::vector<std::vector<Index>> of_;  ///< for each mesh the others; empty: too many boxes to test
+};
 
 /// A triangle that may overlap one of another mesh, and its plane.
 struct Candidate {
@@ -146,23 +167,15 @@ struct Candidate {
 };
 
 /// Returns the triangles whose box overlaps the box of another mesh, sorted by mesh and face.
-std::vector<Candidate> candidates_of(const Scene& scene, const Triangles& triangles, Poll* poll) {
-  constexpr std::size_t kMaxNeighbors = 64;  // among more, a search would take longer than what it saves
-  const std::vector<SceneBox> boxes = boxes_of_meshes(scene, float(kSamePlane) * scene.radius());
-  const std::vector<std::vector<Index>> neighbors = neighbors_of(boxes);
+std::vector<Candidate> candidates_of(const Scene& scene, const Triangles& triangles, const MeshNeighbors& neighbors,
+                                     Poll* poll) {
   std::vector<std::vector<Candidate>> of_mesh(scene.meshes.size());
   for_each_index(scene.meshes.size(), poll, [&](std::size_t m, Poll* own) {
     const Mesh& mesh = scene.meshes[m];
-    const bool tests_faces = !neighbors.empty() && neighbors[m].size() <= kMaxNeighbors;
-    if (mesh.points || (tests_faces && neighbors[m].empty())) return;
-    const std::size_t count = mesh.indices.size() / 3;
-    for (Index face = 0; face < count && !stops(own, face, count); ++face) {
-      const auto at = [&](int k) { return mesh.positions[mesh.indices[3 * std::size_t(face) + k]]; };
-      const SceneBox box{glm::min(glm::min(at(0), at(1)), at(2)), glm::max(glm::max(at(0), at(1)), at(2))};
-      const auto meets = [&](Index n) { return overlaps(box, boxes[n]); };
-      if (!tests_faces || std::any_of(neighbors[m].begin(), neighbors[m].end(), meets))
+    const std::size_t count = mesh.points ? 0 : mesh.indices.size() / 3;
+    for (Index face = 0; face < count && !stops(own, face, count); ++face)
+      if (neighbors.any(mesh, Index(m), face, [](Index) { return true; }))
         of_mesh[m].push_back({Index(m), face, triangles.plane(Index(m), face)});
-    }
   });
   std::vector<Candidate> result;
   for (std::vector<Candidate>& some : of_mesh) {
@@ -172,21 +185,22 @@ std::vector<Candidate> candidates_of(const Scene& scene, const Triangles& triang
   return result;
 }
 
-/// Returns the triangles in whose cell there are also triangles of another mesh, sorted by cell; also others, whose
-/// cells share a place in a table.
-std::vector<Triangle> shared_planes(const std::vector<Candidate>& all, float shift) {
-  constexpr Index kSeveral = kNoIndex32 - 1;
-  constexpr std::size_t kPlaces = 4;  // per triangle, so that cells rarely share one
-  std::vector<Index> owner(std::bit_ceil(kPlaces * all.size() + 16), kNoIndex32);
-  const auto place_of = [&](std::uint64_t cell) { return cell & (owner.size() - 1); };
-  for (const Candidate& c : all) {
-    Index& place = owner[place_of(cell_of(c.plane, shift))];
-    place = place == kNoIndex32 || place == c.mesh ? c.mesh : kSeveral;
-  }
+/// Returns the triangles in whose cell there are also triangles of a mesh that meets them, sorted by cell; also others,
+/// whose cells share a bit in a table.
+std::vector<Triangle> shared_planes(const Scene& scene, const std::vector<Candidate>& all,
+                                    const MeshNeighbors& neighbors, float shift) {
+  constexpr std::size_t kBits = 16;  // per triangle, so that cells rarely share one
+  std::vector<bool> has_triangles(std::bit_ceil(kBits * all.size() + 1));
+  const auto bit_of = [&](std::uint64_t cell, Index mesh) {
+    const std::uint64_t hash = (cell ^ mesh) * 0x9e3779b97f4a7c15ull;
+    return (hash ^ hash >> 32) & (has_triangles.size() - 1);
+  };
+  for (const Candidate& c : all) has_triangles[bit_of(cell_of(c.plane, shift), c.mesh)] = true;
   std::vector<Triangle> result;
   for (const Candidate& c : all) {
     const std::uint64_t cell = cell_of(c.plane, shift);
-    if (owner[place_of(cell)] == kSeveral) result.push_back({c.mesh, c.face, cell});
+    const auto has = [&](Index other) { return bool(has_triangles[bit_of(cell, other)]); };
+    if (neighbors.any(scene.meshes[c.mesh], c.mesh, c.face, has)) result.push_back({c.mesh, c.face, cell});
   }
   std::sort(result.begin(), result.end(), [](const Triangle& a, const Triangle& b) {
     return a.cell != b.cell ? a.cell < b.cell : id_of(a) < id_of(b);
@@ -410,10 +424,14 @@ std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
   std::vector<RaisedFace> raised;
   {
     const Triangles triangles(scene);
-    const std::vector<Candidate> candidates = candidates_of(scene, triangles, poll);
+    const MeshNeighbors neighbors(scene);
+    const std::vector<Candidate> candidates = candidates_of(scene, triangles, neighbors, poll);
     if (poll && poll->ended()) return 0;
-    for (const float shift : {0.0f, 0.5f}) {  // planes on both sides of a border of cells are together in the other
-      const std::vector<Triangle> shared = shared_planes(candidates, shift);
+    std::vector<Triangle> shared_with[2];  // planes on both sides of a border of cells are together in the other
+    for_each_index(2, poll, [&](std::size_t k, Poll*) {
+      shared_with[k] = shared_planes(scene, candidates, neighbors, 0.5f * float(k));
+    });
+    for (const std::vector<Triangle>& shared : shared_with) {
       std::vector<std::span<const Triangle>> planes;
       for (std::size_t first = 0, last = 0; first < shared.size(); first = last) {
         while (last < shared.size() && shared[last].cell == shared[first].cell) ++last;
