@@ -11,8 +11,8 @@ namespace umbrage {
 /// Writes a scene, or the error in its place, to an open file. Returns false if not all could be written.
 bool send_import(int file, const Result<Scene>& imported);
 
-/// Reads what send_import wrote. Returns nothing if the data is incomplete, pixels of a texture are missing, or the data
-/// is from another version. Meshes are as the reader made them: complete_import checks their indices and lists.
+/// Reads what send_import wrote. Returns nothing if the data is incomplete, pixels of a texture are missing, or the
+/// data is from another version. Meshes are as the reader made them: complete_import checks their indices and lists.
 std::optional<Result<Scene>> receive_import(int file);
 
 /// Do the same for a panorama.
