@@ -2,12 +2,8 @@
 // files with a wrong header; this reader is also faster.
 #include "scene/readers/model_readers.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -163,96 +159,59 @@ void read_list(const Property& property, Body& body, Visit visit) {
   for (double j = 0; j < count && body.row_goes_on(); ++j) visit(body.next(property.number));
 }
 
-/// Calls read(body, at, row), which reads one row as item number `at`, uses `row` as it likes and returns whether to
-/// keep the row, for all rows of an element; in parallel if all have one size. Returns the number of items.
-template <class Read>
-std::size_t read_rows(const Element& element, Body& body, Poll* poll, const Read& read) {
-  std::size_t count = 0;
-  std::vector<double> row(element.properties.size());
-  const std::size_t size = body.row_size(element);
-  if (size == 0 || element.count > body.left() / size) {
-    for (std::size_t i = 0; i < element.count && !body.ended() && !stops(poll, i, element.count); ++i)
-      count += read(body, count, row);
-    return count;
-  }
-  constexpr std::size_t kSlice = 1 << 18, kGrain = 2048;  // slices: whole steps between polls
-  for (; count < element.count && !stops(poll, count, element.count); count = std::min(count + kSlice, element.count))
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(count, std::min(count + kSlice, element.count), kGrain),
-                      [&](const auto& range) {
-                        Body part = body;
-                        part.skip(range.begin() * size);
-                        std::vector<double> own(row.size());
-                        for (std::size_t i = range.begin(); i < range.end(); ++i) read(part, i, own);
-                      });
-  body.skip(count * size);
-  return count;
-}
-
 /// `indexed`: other elements refer to vertices by their index, so bad ones are kept, and dropped with their triangles.
 void read_vertices(const Element& element, bool indexed, const std::optional<std::string>& field, Body& body,
                    Contents& out, Scene& scene, Poll* poll) {
   const Slots slots(element);
   Mesh& mesh = out.mesh;
-  const bool has_scalars = slots.has[kScalar] && !slots.colors();
+  const bool has_normals = slots.all(kNormalX, kNormalZ), has_uvs = slots.all(kU, kV), has_colors = slots.colors();
   std::vector<glm::dvec3> positions;
-  std::vector<FieldColumns> fields = fields_of(element, field);
-  const auto resize = [&](std::size_t count) {
-    positions.resize(count);
-    if (slots.all(kNormalX, kNormalZ)) mesh.normals.resize(count);
-    if (slots.all(kU, kV)) mesh.uvs.resize(count);
-    if (slots.colors()) mesh.colors.resize(count);
-    if (has_scalars) out.scalars.resize(count);
-    if (slots.splats()) out.splats.resize(count);
-    for (FieldColumns& each : fields) each.field.values.resize(count * each.columns.size());
-  };
+  positions.reserve(element.count);
+  if (has_normals) mesh.normals.reserve(element.count);
+  if (has_uvs) mesh.uvs.reserve(element.count);
+  if (has_colors) mesh.colors.reserve(element.count);
   const auto is_scalar = [](Slot slot) { return slot == kScalar; };
   if (slots.has[kScalar])
     out.scalar_name =
         element.properties[std::size_t(std::find_if(slots.of.begin(), slots.of.end(), is_scalar) - slots.of.begin())]
             .name;
-  std::atomic<bool> transparent = false;
-  resize(element.count);
-  resize(read_rows(element, body, poll, [&](Body& from, std::size_t at, std::vector<double>& row) {
+  std::vector<FieldColumns> fields = fields_of(element, field);
+  std::vector<double> row(slots.of.size());
+  for (std::size_t i = 0; i < element.count && !body.ended() && !stops(poll, i, element.count); ++i) {
     Values value{};
-    from.begin_row();
+    body.begin_row();
     for (std::size_t k = 0; k < slots.of.size(); ++k) {
       const Property& property = element.properties[k];
       if (property.list_size) {
-        read_list(property, from, [](double) {});
+        read_list(property, body, [](double) {});
       } else {
-        value[slots.of[k]] = row[k] = from.next(property.number);
+        value[slots.of[k]] = row[k] = body.next(property.number);
       }
     }
-    if (from.end_row()) {
-      if (!indexed) return false;
+    if (body.end_row()) {
+      if (!indexed) continue;
       value[kX] = std::numeric_limits<double>::quiet_NaN();
     }
     unpack_color(slots, value);
     if (!slots.has[kScale2]) value[kScale2] = -std::numeric_limits<double>::infinity();
-    positions[at] = {value[kX], value[kY], value[kZ]};
-    for (FieldColumns& each : fields)
-      for (std::size_t c = 0; c < each.columns.size(); ++c)
-        each.field.values[at * each.columns.size() + c] = float(row[each.columns[c]]);
-    if (!mesh.normals.empty()) mesh.normals[at] = triple(value, kNormalX);
-    if (!mesh.uvs.empty()) mesh.uvs[at] = {float(value[kU]), float(value[kV])};
-    if (!mesh.colors.empty()) mesh.colors[at] = triple(value, kRed);
-    if (slots.has[kAlpha] && value[kAlpha] < slots.alpha_scale) transparent.store(true, std::memory_order_relaxed);
-    if (has_scalars) out.scalars[at] = float(value[kScalar]);
+    positions.emplace_back(value[kX], value[kY], value[kZ]);
+    for (FieldColumns& each : fields) each.append([&](std::size_t k) { return row[k]; });
+    if (has_normals) mesh.normals.push_back(triple(value, kNormalX));
+    if (has_uvs) mesh.uvs.emplace_back(float(value[kU]), float(value[kV]));
+    if (has_colors) mesh.colors.push_back(triple(value, kRed));
+    if (slots.has[kAlpha]) out.transparent = out.transparent || value[kAlpha] < slots.alpha_scale;
+    if (slots.has[kScalar] && !has_colors) out.scalars.push_back(float(value[kScalar]));
     if (slots.splats())
-      out.splats[at] = {triple(value, kHarmonic0), float(value[kOpacity]), triple(value, kScale0),
-                        glm::vec4(float(value[kRotation0]), triple(value, kRotation1))};
-    return true;
-  }));
-  out.transparent = transparent;
+      out.splats.push_back({triple(value, kHarmonic0), float(value[kOpacity]), triple(value, kScale0),
+                            glm::vec4(float(value[kRotation0]), triple(value, kRotation1))});
+  }
   set_positions(positions, mesh, scene);
   add_fields(std::move(fields), mesh);
   float brightest = 0.0f;
   for (const glm::vec3& c : mesh.colors) brightest = std::max({brightest, c.x, c.y, c.z});
   // Some programs write bytes as floats.
   const float scale = slots.color_scale == 1.0f && brightest > 1.0f ? 255.0f : slots.color_scale;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.colors.size(), 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) mesh.colors[i] = linear_color(mesh.colors[i] / scale);
-  });
+  for (glm::vec3& c : mesh.colors) c = linear_color(c / scale);
 }
 
 constexpr std::uint32_t kNoVertex = 0xffffffffu;  // out of range of any mesh; such triangles are dropped later

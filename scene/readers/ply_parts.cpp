@@ -175,15 +175,6 @@ Body::Body(std::string_view whole, std::string_view body, const Header& header)
   row_per_line_ = lines_of(at_, end_) == rows;
 }
 
-std::size_t Body::row_size(const Element& element) const {
-  std::size_t size = 0;
-  for (const Property& property : element.properties) {
-    if (storage_ == Storage::kText || property.list_size) return 0;
-    size += std::size_t(kBytes[std::size_t(property.number)]);
-  }
-  return size;
-}
-
 void Body::begin_row() {
   row_is_bad_ = false;
   if (storage_ != Storage::kText) return;

@@ -61,10 +61,6 @@ class Body {
   /// Returns whether the row is bad.
   bool end_row();
 
-  /// Returns the size of each row of a binary element without lists, bytes; 0 for others.
-  std::size_t row_size(const Element& element) const;
-  void skip(std::size_t bytes) { at_ += bytes; }
-
   bool ended() const { return ended_; }
   std::size_t left() const { return std::size_t(end_ - at_); }
   std::size_t bad_rows() const { return bad_rows_; }
