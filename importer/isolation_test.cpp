@@ -241,7 +241,18 @@ TEST(Transfer, RejectsIncompleteOrInconsistentData) {
     return completed;
   };
   EXPECT_TRUE(completed_after([](Scene&) {}));
-  EXPECT_FALSE(completed_after([](Scene& s) { s.textures[0].width = 1000; }));
+  Scene broken = small_scene();
+  broken.textures[0].width = 1000;
+  Memory without_texels;
+  ASSERT_TRUE(send_import(without_texels.file, broken));
+  EXPECT_FALSE(receive_import(without_texels.file));
+  EXPECT_TRUE(completed_after([](Scene& s) {
+    Mesh& mesh = s.meshes[0];  // with a vertex that no triangle has
+    mesh.positions.emplace_back(5.0f);
+    mesh.normals.emplace_back(0.0f, 0.0f, 1.0f);
+    mesh.radii.assign(4, 1.0f);
+    mesh.bends.assign(4, glm::vec3(1.0f));
+  }));
   EXPECT_FALSE(completed_after([](Scene& s) { s.meshes[0].indices[1] = 3; })) << "no triangle is left";
   EXPECT_EQ(completed_after([](Scene& s) { s.meshes[0].normals.pop_back(); })->meshes.at(0).normals.size(), 3u);
   EXPECT_EQ(completed_after([](Scene& s) { s.meshes[0].uvs.resize(1); })->meshes.at(0).uvs.size(), 0u);

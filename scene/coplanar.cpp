@@ -1,6 +1,6 @@
 // Faces of different meshes in one plane: where they overlap, rounding would decide at each pixel which is in front.
 // Triangles within the box of another mesh are sorted by their plane, rounded; overlaps within a plane are found by a
-// sweep over boxes.
+// bounding volume hierarchy.
 #include "scene/finish.h"
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <span>
 #include <unordered_map>
 
 #include "scene/fields.h"
@@ -328,7 +329,8 @@ bool find_overlaps(std::vector<Boxed>& boxes, Poll* poll, MeshPairs& pairs) {
   const BoxTree tree(boxes);
   std::size_t tests = 0;
   bool is_complete = true;
-  for (std::size_t i = boxes.size(); i-- > 0 && is_complete;) {  // the last mesh of a stack overlaps most
+  for (std::size_t i = boxes.size();
+       i-- > 0 && is_complete && !(poll && poll->ended());) {  // the last mesh of a stack overlaps most
     Boxed& above = boxes[i];
     tree.find_earlier(above, [&](Index j) {
       is_complete = ++tests <= kMaxBoxTests * boxes.size() && pairs.size() <= kMaxMeshPairs * boxes.size();
@@ -420,6 +422,7 @@ std::vector<RaisedFace> unique_faces(std::vector<RaisedFace> raised) {
 
 std::size_t separate_coplanar_faces(Scene& scene, Poll* poll) {
   const auto has_faces = [](const Mesh& mesh) { return !mesh.points; };
+  if (poll && poll->ended()) return 0;
   if (std::count_if(scene.meshes.begin(), scene.meshes.end(), has_faces) < 2 || !(scene.radius() > 0.0f)) return 0;
   std::vector<RaisedFace> raised;
   {

@@ -1,10 +1,12 @@
 // The last step of building a scene: removal of unusable triangles, normals, bounds.
 #include "scene/finish.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
@@ -127,15 +129,17 @@ bool repair_normals(Mesh& mesh) {
 }  // namespace
 
 void for_each_index(std::size_t count, Poll* poll, const std::function<void(std::size_t, Poll*)>& work) {
-  std::atomic<bool> ended = false;
+  std::atomic<bool> ended = poll && poll->ended();
   const std::thread::id caller = std::this_thread::get_id();
+  const ProgressMonitor goes_on = [&](double) { return !ended.load(std::memory_order_relaxed); };
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, count),
       [&](const tbb::blocked_range<std::size_t>& range) {
-        Poll* own = std::this_thread::get_id() == caller ? poll : nullptr;
+        Poll of_worker(goes_on);
+        Poll* own = !poll || std::this_thread::get_id() == caller ? poll : &of_worker;
         for (std::size_t i = range.begin(); i < range.end() && !ended.load(std::memory_order_relaxed); ++i) {
           work(i, own);
-          if (own && own->passing(0.0)) ended = true;
+          if (own && own->passing(0.0)) ended = true;  // which ends the polls of all threads
         }
       },
       tbb::simple_partitioner());
@@ -175,13 +179,13 @@ bool is_seen(const Scene& scene, const Mesh& mesh) {
   if (index >= scene.materials.size()) return true;
   const Material& material = scene.materials[index];
   const float opacity = material.blended ? material.opacity : 1.0f;
-  const float least = material.alpha_mask ? std::max(material.alpha_cutoff, kMinOpacity) : kMinOpacity;
+  const float min_opacity = material.alpha_mask ? std::max(material.alpha_cutoff, kMinOpacity) : kMinOpacity;
   const auto texture = std::size_t(material.texture);
   if (mesh.uvs.empty() || texture >= scene.textures.size() || !(material.blended || material.alpha_mask))
     return opacity >= kMinOpacity;
   const std::vector<std::uint8_t>& rgba = scene.textures[texture].rgba;
   for (std::size_t i = 3; i < rgba.size(); i += 4)
-    if (opacity * float(rgba[i]) >= least * 255.0f) return true;
+    if (opacity * float(rgba[i]) >= min_opacity * 255.0f) return true;
   return false;
 }
 
@@ -203,7 +207,7 @@ std::size_t finish_mesh(Mesh& mesh, int materials, std::optional<float> crease_a
   if (mesh.uvs.size() != mesh.positions.size()) mesh.uvs.clear();
   if (mesh.colors.size() != mesh.positions.size()) mesh.colors.clear();
   if (mesh.radii.size() != mesh.positions.size()) mesh.radii.clear();
-  if (mesh.bends.size() != mesh.positions.size()) mesh.bends.clear();
+  mesh.bends.clear();
   if (mesh.smoothing.size() != mesh.indices.size() / 3) mesh.smoothing.clear();
   drop_incomplete_fields(mesh);
   for (glm::vec3& color : mesh.colors) {
@@ -211,6 +215,8 @@ std::size_t finish_mesh(Mesh& mesh, int materials, std::optional<float> crease_a
   }
   if (mesh.material < 0 || mesh.material >= materials) mesh.material = 0;
   if (mesh.points) return clean_points(mesh);
+  mesh.radii.clear();
+  mesh.spheres = false;
   const std::size_t dropped = clean_triangles(mesh);
   if (poll && poll->passing(0.0)) return dropped;
   if (mesh.indices.empty()) return dropped;

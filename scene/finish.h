@@ -17,8 +17,8 @@ inline constexpr float kMaxCoordinate = 1e15f;
 /// Normals that are shorter count as missing.
 inline constexpr float kMinNormalLength = 1e-12f;
 
-/// Calls `work` for each index below `count`, on several threads; with the poll on the calling thread, else with null.
-/// Leaves out the rest once the poll has ended.
+/// Calls `work` for each index below `count`, on several threads, with a poll of the thread, or null if there is none.
+/// The calling thread polls while it works; once its poll has ended, all end and the rest is left out.
 void for_each_index(std::size_t count, Poll* poll, const std::function<void(std::size_t, Poll*)>& work);
 
 /// What Scene::bounds_min and bounds_max contain.

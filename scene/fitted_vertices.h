@@ -46,7 +46,8 @@ class FittedVertices {
 
   /// Returns `found`, a struct of extremes, extended by visit(found, position, radius) for all that for_each visits.
   /// Each extreme must be that of a quasi-convex function in front of the camera: if the corners of a block's box do
-  /// not extend it, no vertex in the block does. `visit` returns whether the position is in front of the camera.
+  /// not extend it, no vertex in the block does. Of spheres, an extreme may lack the square of their angular radius.
+  /// `visit` returns whether the position is in front of the camera.
   template <class Found, class Visit>
   Found extremes(Found found, Visit visit) const {
     for (const VertexBlock& block : blocks_) {

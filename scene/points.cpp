@@ -227,21 +227,21 @@ SmallestVariance smallest_variance_of(const glm::dmat3& m) {
   const double total = m[0][0] + m[1][1] + m[2][2];
   if (!(total > 0.0) || !std::isfinite(total)) return smallest;
   glm::dmat3 a = m / total;
-  // The least root of its characteristic polynomial, x^3 - x^2 + sum x - determinant, from below by Newton's method.
+  // The smallest root of its characteristic polynomial, x^3 - x^2 + sum x - determinant, from below by Newton's method.
   const double sum = a[0][0] * a[1][1] - a[0][1] * a[0][1] + a[0][0] * a[2][2] - a[0][2] * a[0][2] + a[1][1] * a[2][2] -
                      a[1][2] * a[1][2];
   const double determinant = glm::determinant(a);
   constexpr int kMaxSteps = 40;  // a double root halves the error of each step
   constexpr double kPrecision = 1e-13;
-  double least = 0.0, slope = sum;  // the slope is the product of the differences of the other eigenvalues from it
+  double root = 0.0, slope = sum;  // the slope is the product of the differences of the other eigenvalues from it
   for (int k = 0; k < kMaxSteps && slope > 0.0; ++k) {
-    const double step = (determinant - ((least - 1.0) * least + sum) * least) / slope;
+    const double step = (determinant - ((root - 1.0) * root + sum) * root) / slope;
     if (!(step > kPrecision)) break;
-    least += step;
-    slope = (3.0 * least - 2.0) * least + sum;
+    root += step;
+    slope = (3.0 * root - 2.0) * root + sum;
   }
-  smallest.fraction = float(least);
-  for (int axis = 0; axis < 3; ++axis) a[axis][axis] -= least;
+  smallest.fraction = float(root);
+  for (int axis = 0; axis < 3; ++axis) a[axis][axis] -= root;
   constexpr double kDistinct = 1e-11;  // min slope
   const auto longest = [](const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z) {
     const glm::dvec3& of_two = glm::dot(x, x) >= glm::dot(y, y) ? x : y;

@@ -176,6 +176,8 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
     scene.up = settings.up / length;
   }
   if (scene.meshes.empty()) return file_error("'{}' has no triangles and no points", file.string());
+  for (Mesh& mesh : scene.meshes)
+    if (mesh.points) mesh.indices.clear();
   const std::size_t triangles = scene.triangle_count(), points = scene.point_count();
   const DamagedTriangles damaged = count_damaged(scene);
   const auto warn = [&](std::size_t count, std::size_t of, const char* what) {
@@ -194,6 +196,7 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   warn(zeros, points, "points are at exactly 0 0 0, outside of all others,");
   const std::size_t dropped =
       finish_scene(scene, settings.crease_angle_deg, settings.points, poll, BoundsOf::kAllButStrays);
+  if (poll && poll->ended()) return interrupted();
   const std::size_t dropped_triangles = triangles - scene.triangle_count();
   separate_coplanar_faces(scene, poll);
   set_motion(std::move(scene.motion), scene);
@@ -250,7 +253,7 @@ Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings,
     poll.part(0.0, kRead);
     if (poll.ended()) return interrupted();
     auto own = import_own(file, format, settings.field, &poll);
-    auto scene = !own ? import_in_child_process(file, settings, &poll) : std::move(*own);
+    auto scene = own ? std::move(*own) : import_in_child_process(file, settings, &poll);
     poll.part(kRead, 1.0);
     scene = complete_import(std::move(scene), file, settings, &poll);
     if (scene && poll.ask(1.0)) return interrupted();

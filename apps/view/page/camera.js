@@ -116,7 +116,7 @@ export function fitted(camera, size, scene) {
 /// Returns the camera with which a picture of `size` shows all that one of the size `seen` does, about the same middle.
 export function framed(camera, size, seen) {
   const wider = seen[0] / seen[1] / (size[0] / size[1]);
-  if (wider <= 1) return camera;
+  if (!(wider > 1 && Number.isFinite(wider))) return camera;
   return { ...camera, angle_deg: 2 * degrees(Math.atan(Math.tan(radians(camera.angle_deg) / 2) * wider)) };
 }
 

@@ -40,7 +40,7 @@ let typed = null;
 /// Whether the text in a box has been changed and not yet been taken.
 export const is_typed = (box) => typed === box;
 addEventListener("input", (event) => (typed = event.target), true);
-addEventListener("change", () => (typed = null), true);
+for (const end of ["change", "focusout"]) addEventListener(end, () => (typed = null), true);
 
 /// Makes a section of the panel that opens and closes.
 export function section(id, title, is_open, ...children) {

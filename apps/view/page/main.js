@@ -102,8 +102,11 @@ function set_camera(camera, moving) {
   remember();
 }
 
-/// Asks which point of the model is at a place of the picture: take_pick has the answer.
-function ask_point(at) {
+let last_pick = {}; // the model whose point was asked for last, and what takes the answer
+
+/// Asks which point of the model is at a place of the picture. `take` receives it, or null, unless the model changes.
+function ask_point(at, take) {
+  last_pick = { model: state.model, take };
   const size = size_shown();
   link.send({ type: "pick", id: link.id, at: [at[0] / size[0], at[1] / size[1]] });
 }
@@ -127,11 +130,12 @@ const act = {
     draw();
     remember();
   },
-  click: (at) => is_measuring() && ask_point(at),
+  click: (at) => is_measuring() && ask_point(at, add_point),
   pivot(at) {
     if (is_measuring()) return;
     if (is_flat()) return hooks.reset();
-    if (state.hello.picks) return ask_point(at);
+    const turn_about = (point) => point && act.gesture((camera) => with_pivot(camera, point));
+    if (state.hello.picks) return ask_point(at, turn_about);
     act.gesture((camera, shown) => with_pivot(camera, point_under(camera, at, shown)));
   },
   hold(is_held) {
@@ -294,8 +298,7 @@ function take_environment(message) {
 }
 
 function take_pick(message) {
-  if (is_measuring()) add_point(message.point);
-  else if (message.point) act.gesture((camera) => with_pivot(camera, message.point));
+  if (last_pick.model === state.model) last_pick.take(message.point);
 }
 
 /// An error of a view is shown until that view is drawn; another one, a notice, until it is dismissed.

@@ -8,11 +8,11 @@ const kDigits = 4;
 let measured = null, // null: nothing is measured
   measured_model = 0; // that of the points
 
-export const is_measuring = () => measured !== null;
+export const is_measuring = () => measured !== null && !is_flat();
 export const length_text = (x) => String(Number(x.toPrecision(kDigits)));
 
 export function toggle_measure() {
-  if (is_flat()) return announce("Distances are measured in models");
+  if (is_flat() && !measured) return announce("Distances are measured in models");
   measured = measured ? null : [];
   measured_model = state.model;
   by_id("measure").setAttribute("aria-pressed", String(is_measuring()));
@@ -23,6 +23,7 @@ export function toggle_measure() {
 
 /// Takes a point of the model, or null where there is none. The third begins anew.
 export function add_point(point) {
+  if (!measured) return;
   if (!point) return announce("There is no surface at this place");
   measured = measured.length === 2 || measured_model !== state.model ? [point] : [...measured, point];
   measured_model = state.model;

@@ -112,7 +112,7 @@ const kNames = {
     "sphere.reach": "Reach in the model", "sphere.radius": "Reach in the picture", "sphere.reflect": "Turn samples by",
     "sphere.sample_z": "Samples have depth", "sphere.projection": "Projection of samples", "sphere.softness": "Soft edge",
     "ssdo.bounce": "Reflection by", "ssdo.difference": "Compare with all", "ssdo.directions": "Spread of directions",
-    "ssdo.lengths": "Spread of distances", "ssdo.min_distance": "Reflection from at least", "ssdo.samples": "Directions per pixel",
+    "ssdo.lengths": "Spread of distances", "ssdo.min_distance": "Reflections, min distance", "ssdo.samples": "Directions per pixel",
     "ssdo.steps": "Steps in each direction",
     "toon.albedo": "Colour", "toon.ambient": "Ambient light", "toon.extra": "Light without shadow", "toon.highlight_size": "Highlight size",
     "toon.light_r": "Brightest, red", "toon.light_g": "Brightest, green", "toon.light_b": "Brightest, blue",
@@ -132,12 +132,14 @@ const kNames = {
 
 const in_words = (name) => (name[0]?.toUpperCase() + name.slice(1)).replace(/[-_]/g, " ");
 
+const known = (group, name) => (Object.hasOwn(kNames[group], name) ? kNames[group][name] : undefined);
+
 /// Returns the plain name of an option, a look, an effect, of what is shown, or of a parameter as "effect.parameter".
 export const name_of = (group, name) =>
-  kNames[group][name] ?? kNames[group][name.split(".")[1]] ?? in_words(name.split(".").at(-1));
+  known(group, name) ?? known(group, name.split(".")[1]) ?? in_words(name.split(".").at(-1));
 
 /// Returns the plain name of a choice of an option or parameter.
-export const choice_name = (name, choice) => kNames.choice[`${name}.${choice}`] ?? kNames.choice[choice] ?? choice;
+export const choice_name = (name, choice) => known("choice", `${name}.${choice}`) ?? known("choice", choice) ?? choice;
 
 /// Returns the plain name of a device and of its description, which begins with its kind.
 export const device_name = (text) =>

@@ -1,5 +1,5 @@
 // Undo and redo: one history of the whole state, whatever has changed it. A step ends when the state rests; while a
-// pointer or a key is held it does not, so that a drag, a slider's movement and a flight are one step each.
+// pointer is held it does not, so that a drag or a slider's movement is one step.
 import { by_id } from "./dom.js";
 import { state, state_text, take_state_text, hooks } from "./state.js";
 
@@ -34,12 +34,14 @@ function go(from, to) {
   note_step();
   const start = present;
   while (from.length && present === start) {
-    to.push(present);
     take_state_text(from.pop());
     present = state_text();
   }
+  if (present !== start) {
+    to.push(start);
+    hooks.taken();
+  }
   show_steps();
-  if (present !== start) hooks.taken();
   return present !== start;
 }
 

@@ -212,7 +212,8 @@ export function refresh_take() {
     if (entry.value) entry.textContent = `${entry.value}×: ${seen.map((side) => side * Number(entry.value)).join(" × ")}`;
   by_id("save_size").hidden = is_flat();
   by_id("own_size").hidden = is_flat() || by_id("save_size").value !== "";
-  const what = `${by_id("save_format").value.toUpperCase()}, ${size_wanted().join(" × ")} pixels`;
+  const format = by_id("save_format").value.toUpperCase(),
+    what = is_flat() ? format : `${format}, ${size_wanted().join(" × ")} pixels`;
   by_id("save_now").title = `Save the picture (Ctrl+S): ${what}. Export in the panel has other sizes and formats.`;
 }
 
@@ -222,8 +223,7 @@ export async function save() {
     [width, height] = size_wanted(),
     format = by_id("save_format").value;
   if (buttons[0].disabled) return;
-  for (const button of buttons) button.disabled = true;
-  hooks.status("saving the picture", 0);
+  for (const button of buttons) button.disabled = button.ariaBusy = true;
   try {
     const options = all_options(side_taken(), [width, height]);
     const body = JSON.stringify({ options, model: state.model, format, width, height });
@@ -240,8 +240,7 @@ export async function save() {
   } catch (error) {
     complain(`Not saved: ${with_upload_names(error.message)}`, "save");
   }
-  hooks.status("", 0);
-  for (const button of buttons) button.disabled = false;
+  for (const button of buttons) button.disabled = button.ariaBusy = false;
 }
 
 export function take_section() {
