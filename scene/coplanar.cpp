@@ -117,7 +117,7 @@ std::vector<SceneBox> boxes_of_meshes(const Scene& scene, float margin) {
   for (std::size_t m = 0; m < boxes.size(); ++m) {
     if (scene.meshes[m].points) continue;
     SceneBox& box = boxes[m];
-    for (const glm::vec3& p : scene.meshes[m].positions) box = {glm::min(box.low, p), glm::max(box.high, p)};
+    for (const glm::vec3& p : scene.meshes[m].positions) extend(box, p);
     box = {box.low - margin, box.high + margin};
   }
   return boxes;

@@ -30,6 +30,7 @@
 #include "scene/readers/obj.h"
 #include "scene/readers/positions.h"
 #include "scene/readers/whole_file.h"
+#include "scene/strays.h"
 
 namespace umbrage {
 namespace {
@@ -81,7 +82,7 @@ std::size_t mark_zero_points(Scene& scene) {
         if (p == zero)
           ++count;
         else if (is_finite(p))
-          others = {glm::min(others.low, p), glm::max(others.high, p)};
+          extend(others, p);
       }
   const bool is_inside = glm::clamp(zero, others.low, others.high) == zero;
   if (count < kMany || others.is_empty() || is_inside) return 0;
